@@ -1,0 +1,199 @@
+"""What each command does."""
+
+from __future__ import annotations
+
+import json
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from tether import plot as pictures
+from tether.cli.progress import progress
+from tether.cli.relative import relative_viscosity
+from tether.cli.table import table
+from tether.config import Configuration, Source, json_schema, template
+from tether.errors import InputError, TetherError
+from tether.files.trajectory import velocity_profile
+from tether.record import Record, drive
+from tether.record import resume as resumed
+from tether.simulation import Simulation
+from tether.version import __version__
+
+app = typer.Typer(
+    name="tether",
+    help="The rheology of particulate suspensions, by dissipative particle dynamics.",
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+
+Threads = Annotated[
+    int | None,
+    typer.Option(min=1, help="Threads to run on; the results do not depend on it.", show_default=False),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a run.")]
+
+
+class FlowKind(StrEnum):
+    """Flows that `tether init` writes a file for."""
+
+    couette = "couette"
+    rest = "rest"
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"tether {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="The configuration, a TOML file.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; the file's name without .toml if not given.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a key, for example flow.shear_rate=0.1."),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Change the seed.", show_default=False)] = None,
+    threads: Threads = None,
+    relative: Annotated[
+        bool,
+        typer.Option(
+            "--relative",
+            help="Run the same file without its bodies too (once, then kept), and print the relative viscosity.",
+        ),
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the results of an earlier run.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a configuration and measure the suspension."""
+    source = Source.read(config, set_ or [], seed)
+    configuration = source.configuration()
+    if relative and (not configuration.bodies or configuration.flow.shear_rate == 0):
+        raise InputError(
+            "--relative needs bodies and a shear flow",
+            "it divides the viscosity by that of the same fluid without bodies",
+            "run without --relative",
+        )
+    try:
+        simulation = Simulation.from_configuration(configuration, threads)
+        simulation.place()  # before the folder: bodies that find no room leave none behind
+        record = Record.create(out or Path(config.stem), configuration, force)
+        _finish(simulation, record, quiet)
+    except TetherError as error:
+        raise source.located(error) from None
+    if relative:
+        relative_viscosity(simulation.result(), record, threads, quiet)
+
+
+@app.command()
+def resume(
+    folder: Folder,
+    steps: Annotated[
+        int | None, typer.Option(min=1, help="Measured steps to add to the run's length.", show_default=False)
+    ] = None,
+    threads: Threads = None,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a run that was stopped, or make a finished one longer."""
+    simulation, record, remarks = resumed(folder, threads, steps or 0)
+    if not quiet:
+        for remark in remarks:
+            Console(stderr=True).print(f"note: {remark}", highlight=False, soft_wrap=True)
+    if simulation.is_finished and record.summary_path.is_file():
+        if not quiet:
+            _print_summary(record)
+            print(f"The run in {folder} has ended; --steps N makes it longer.")
+        return
+    _finish(simulation, record, quiet)
+
+
+@app.command()
+def show(
+    folder: Folder,
+    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json instead of the table.")] = False,
+) -> None:
+    """Print the results of a run again."""
+    record = Record.open(folder)
+    if as_json:
+        print(json.dumps(record.summary(), indent=2))
+    else:
+        _print_summary(record)
+
+
+@app.command()
+def plot(folder: Folder) -> None:
+    """Draw stress and temperature over time, and the velocity profile, as PNG and SVG."""
+    record = Record.open(folder)
+    configuration = record.configuration()
+    series = record.series()
+    drawn = pictures.plot_series(
+        series, folder / "series", _title(configuration), temperature=configuration.fluid.temperature
+    )
+    if record.trajectory_path.is_file():
+        first = int(series["step"][0]) - configuration.series_interval
+        profile = velocity_profile(record.trajectory_path, configuration, first)
+        if profile is not None:
+            y, velocity, error = profile
+            imposed = configuration.flow.shear_rate * (y - 0.5 * configuration.box.size[1])
+            drawn += pictures.plot_profile(
+                y, velocity, error, np.asarray(imposed), folder / "profile", _title(configuration)
+            )
+    for path in drawn:
+        print(path)
+
+
+@app.command()
+def init(
+    flow: Annotated[FlowKind, typer.Option(help="The flow.")] = FlowKind.couette,
+    dimension: Annotated[int, typer.Option(min=2, max=3, help="Two or three dimensions.")] = 3,
+) -> None:
+    """Print a commented configuration to start from: tether init > my.toml."""
+    print(template(flow.value, 2 if dimension == 2 else 3), end="")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of configurations, with which editors complete and check them."""
+    print(json.dumps(json_schema(), indent=2))
+
+
+def _finish(simulation: Simulation, record: Record, quiet: bool) -> None:
+    with progress(simulation, quiet or not sys.stderr.isatty()) as watch:
+        drive(simulation, record, watch)
+    if not quiet:
+        _print_summary(record)
+        print(f"Results: {record.folder}")
+
+
+def _print_summary(record: Record) -> None:
+    summary = record.summary()
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 100)
+    console.print(table(summary))
+    for warning in summary["warnings"]:
+        console.print(f"warning: {warning}", soft_wrap=True)
+
+
+def _title(configuration: Configuration) -> str:
+    kind = "Plain fluid" if not configuration.bodies else "Suspension"
+    phi = f", phi = {configuration.volume_fraction:.4f}" if configuration.bodies else ""
+    rate = configuration.flow.shear_rate
+    return f"{kind} in {configuration.dimension}D{phi}" + (f", shear rate {rate:g}" if rate else ", at rest")

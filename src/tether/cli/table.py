@@ -1,0 +1,73 @@
+"""The table that ends a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.table import Table
+
+from tether.estimate import Estimate
+
+
+def table(summary: dict[str, Any]) -> Table:
+    """The summary of a run as a table of quantities, values and errors."""
+    particles = summary["particles"]
+    rows = Table(
+        title=f"{summary['dimension']}D, {particles['solvent']} solvent particles, {particles['bodies']} bodies, "
+        f"volume fraction {particles['volume_fraction']:.4f}",
+        title_justify="left",
+        pad_edge=False,
+    )
+    rows.add_column("quantity")
+    rows.add_column("value", justify="right")
+    rows.add_column("error", justify="right")
+    rows.add_column("")
+    for name, note in _QUANTITIES.items():
+        _add(rows, name.replace("_", " "), summary[name], note)
+    for name, entry in summary["temperature"].items():
+        _add(rows, f"kT {name.replace('_', ' ')}", entry, "")
+    numbers = summary["dimensionless"]
+    for name in ("peclet", "reynolds", "mach"):
+        if numbers[name] is not None:
+            rows.add_row(f"{name.capitalize()} number", f"{numbers[name]:.3g}", "", _of(name, numbers))
+    rows.add_row("momentum drift", f"{summary['momentum_drift']:.1e}", "", "per particle")
+    performance = summary["performance"]
+    threads = f"{performance['threads']} thread{'s' if performance['threads'] > 1 else ''}"
+    speed = performance["particle_steps_per_second"] / 1e6
+    rows.add_row("speed", f"{speed:.2f}", "", f"million particle-steps/s on {threads}")
+    rows.add_row("state", summary["state_sha256"][:12], "", "SHA-256 of the final state, beginning")
+    return rows
+
+
+_QUANTITIES = {
+    "viscosity": "S_xy / shear rate, total stress",
+    "viscosity_pairwise": "without the stress in the bodies",
+    "viscosity_random": "random forces' share, in no sum; zero on average",
+    "N1": "S_xx - S_yy",
+    "N2": "S_yy - S_zz",
+    "pressure": "",
+}
+
+_MADE_FROM = {
+    "peclet": ("radius", "diffusivity"),
+    "reynolds": ("radius", "viscosity"),
+    "mach": ("radius", "sound_speed"),
+}
+
+
+def _add(rows: Table, name: str, entry: dict[str, float | None] | None, note: str) -> None:
+    if entry is None:
+        return
+    value, error = entry["value"], entry["error"]
+    assert value is not None
+    if error is None:
+        rows.add_row(name, f"{value:.3g}", "-", "the run is too short for an error")
+        return
+    # Estimate knows how many digits an error is worth.
+    shown = str(Estimate(value, error, samples=1, inefficiency=1.0, converged=True)).split(" +- ")
+    rows.add_row(name, shown[0], shown[1], note)
+
+
+def _of(name: str, numbers: dict[str, Any]) -> str:
+    words = [f"{part.replace('_', ' ')} {numbers[part]['value']:.3g}" for part in _MADE_FROM[name]]
+    return ", ".join(words)

@@ -1,0 +1,34 @@
+"""The JSON schema of configuration files, with which editors complete and check them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tether.config.configuration import Configuration
+
+
+def json_schema() -> dict[str, Any]:
+    """The schema, JSON Schema draft 2020-12; its descriptions are the reference documentation."""
+    schema = _without_null(Configuration.model_json_schema())
+    for flow in ("Rest", "Couette"):
+        table = schema["$defs"][flow]
+        table["required"] = ["kind", *table.get("required", [])]
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "tether configuration",
+    }
+
+
+def _without_null(schema: Any) -> Any:
+    """TOML has no null: a key that may be left out has no value then."""
+    if isinstance(schema, list):
+        return [_without_null(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    cleaned = {name: _without_null(item) for name, item in schema.items() if item is not None}
+    choices = [choice for choice in cleaned.get("anyOf", []) if choice != {"type": "null"}]
+    if len(choices) == 1:
+        del cleaned["anyOf"]
+        return {**choices[0], **cleaned}
+    return {**cleaned, "anyOf": choices} if choices else cleaned

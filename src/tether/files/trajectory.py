@@ -1,0 +1,211 @@
+"""Trajectory: frames in GSD, the HOOMD schema, for OVITO, freud and for another run to start from."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import gsd.hoomd
+import numpy as np
+from numpy.typing import NDArray
+
+from tether.config import Configuration
+from tether.errors import InputError
+
+if TYPE_CHECKING:
+    from tether.simulation import Simulation
+
+Vectors = NDArray[np.float64]
+
+
+class Trajectory:
+    """A growing GSD file. Positions are centered; the box's tilt is the shear's offset, within half a box."""
+
+    def __init__(self, path: Path) -> None:
+        """Open for appending, or begin."""
+        self._file: Any = gsd.hoomd.open(str(path), "r+" if path.exists() else "w")
+
+    def append(self, simulation: Simulation) -> None:
+        """Write the present state as a frame."""
+        self._file.append(_frame(simulation))
+
+    def flush(self) -> None:
+        """Hand everything to the file system."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Flush and close."""
+        self._file.close()
+
+    def __len__(self) -> int:
+        return len(self._file)
+
+
+def cut(path: Path, last_step: int) -> None:
+    """Drop frames after `last_step`: what a killed run wrote after the checkpoint that it is resumed from.
+
+    A file that cannot be read is set aside under the name of `path` with ".damaged" added.
+    """
+    if not path.exists():
+        return
+    try:
+        with gsd.hoomd.open(str(path)) as frames:
+            steps = [int(frame.configuration.step or 0) for frame in frames]
+            keep = sum(step <= last_step for step in steps)
+            if keep == len(steps):
+                return
+            temporary = path.with_name(f".{path.name}")
+            with gsd.hoomd.open(str(temporary), "w") as kept:
+                for index in range(keep):
+                    kept.append(frames[index])
+    except (OSError, RuntimeError):
+        shutil.move(path, path.with_name(f"{path.name}.damaged"))
+        return
+    temporary.replace(path)
+
+
+@dataclass(frozen=True)
+class StartFrame:
+    """Where a run starts from."""
+
+    position: Vectors
+    """Inside the box, shape (n, d)."""
+    velocity: Vectors | None
+    """In the laboratory frame, shape (n, d); None if the frame has none."""
+    offset: float
+    """Of the sheared box, length."""
+
+
+def read_frame(configuration: Configuration) -> StartFrame:
+    """The frame that [start] names. Raises InputError unless it holds this configuration's particles and box."""
+    start = configuration.start
+    assert start.file is not None
+    path = Path(start.file)
+    try:
+        with gsd.hoomd.open(str(path)) as frames:
+            if not -len(frames) <= start.frame < len(frames):
+                raise _unfit(f"has no frame {start.frame}", f"it has {len(frames)}", "frame")
+            frame = frames[start.frame]
+    except (OSError, RuntimeError) as error:
+        reason = str(error).splitlines()[0] if str(error) else "it cannot be opened"
+        raise _unfit(f"= {path} is no readable GSD file", reason, "file") from None
+    d = configuration.dimension
+    counts = [configuration.solvent_count]
+    for bodies, count in zip(configuration.bodies, configuration.body_counts, strict=True):
+        counts.append(count * len(bodies.geometry.sites))
+    species = np.repeat(np.arange(len(counts)), counts)
+    found = np.zeros(frame.particles.N) if frame.particles.typeid is None else frame.particles.typeid
+    if not np.array_equal(found, species):
+        raise _unfit(
+            f"= {path} holds other particles",
+            f"this run needs {counts[0]} of solvent, then {sum(counts[1:])} constituents, in that order",
+            "file",
+        )
+    size = np.array(configuration.box.size)
+    box = np.array(frame.configuration.box, dtype=np.float64)
+    if not np.allclose(box[:d], size, rtol=1e-5):
+        sides = " x ".join(f"{side:g}" for side in box[:d])
+        raise _unfit(f"= {path} has a box of {sides}", "this run's box has other sides", "file")
+    offset = float(box[3] * size[1]) % size[0]
+    position = _inside(np.array(frame.particles.position, dtype=np.float64)[:, :d] + size / 2, size, offset)
+    if not np.isfinite(position).all():
+        raise _unfit(f"= {path} has a position that is not finite", "no force can be taken there", "file")
+    moves = frame.particles.velocity is not None and np.any(frame.particles.velocity)
+    velocity = np.array(frame.particles.velocity, dtype=np.float64)[:, :d] if moves else None
+    return StartFrame(position, velocity, offset)
+
+
+def velocity_profile(
+    path: Path, configuration: Configuration, first_step: int, bins: int = 20
+) -> tuple[Vectors, Vectors, Vectors] | None:
+    """Mean velocity along x in bins of y over the frames from `first_step` on: y, mean, standard error.
+
+    The error is that of the frames' means, taken as independent. None without two frames with velocities.
+    """
+    height = configuration.box.size[1]
+    rows = []
+    with gsd.hoomd.open(str(path)) as frames:
+        for frame in frames:
+            if (frame.configuration.step or 0) < first_step or frame.particles.velocity is None:
+                continue
+            y = np.asarray(frame.particles.position, dtype=np.float64)[:, 1] / height + 0.5
+            bin_of = np.minimum((y * bins).astype(int), bins - 1)
+            # Against the profile at each particle's own place; the bin's own middle is put back below.
+            slip = frame.particles.velocity[:, 0] - configuration.flow.shear_rate * height * (y - 0.5)
+            total = np.bincount(bin_of, weights=slip, minlength=bins)
+            rows.append(total / np.maximum(np.bincount(bin_of, minlength=bins), 1))
+    if len(rows) < 2:
+        return None
+    middle = (np.arange(bins) + 0.5) / bins * height
+    imposed = configuration.flow.shear_rate * (middle - height / 2)
+    slips = np.array(rows)
+    return middle, imposed + slips.mean(axis=0), slips.std(axis=0, ddof=1) / math.sqrt(len(rows))
+
+
+def _frame(simulation: Simulation) -> Any:
+    configuration = simulation.configuration
+    size = np.array(configuration.box.size)
+    d = len(size)
+    at = simulation.engine.position - size / 2
+    offset = simulation.engine.offset
+    if offset > size[0] / 2:
+        offset -= size[0]
+    tilt = offset / size[1]
+    slanted = at[:, 0] - tilt * at[:, 1]  # HOOMD's box is a parallelepiped: x is wrapped along the tilt
+    at[:, 0] -= size[0] * np.floor(slanted / size[0] + 0.5)
+    frame = gsd.hoomd.Frame()
+    frame.configuration.step = simulation.step
+    frame.configuration.dimensions = d
+    frame.configuration.box = [size[0], size[1], size[2] if d == 3 else 0.0, tilt, 0.0, 0.0]
+    frame.particles.N = len(at)
+    frame.particles.types = ["solvent", *_type_names([bodies.shape for bodies in configuration.bodies])]
+    frame.particles.typeid = simulation.species.astype(np.uint32)
+    frame.particles.position = _in_space(at)
+    if "velocity" in configuration.output.fields:
+        frame.particles.velocity = _in_space(simulation.engine.velocity)
+    if "mass" in configuration.output.fields:
+        frame.particles.mass = simulation.masses.astype(np.float32)
+    if "body" in configuration.output.fields:
+        frame.particles.body = simulation.body_index
+    return frame
+
+
+def _type_names(shapes: Sequence[str]) -> list[str]:
+    """The shapes' names, numbered where one comes twice."""
+    return [
+        shape if shapes.count(shape) == 1 else f"{shape}_{shapes[: index + 1].count(shape)}"
+        for index, shape in enumerate(shapes)
+    ]
+
+
+def _in_space(vectors: Vectors) -> NDArray[np.float32]:
+    padded = np.zeros((len(vectors), 3), dtype=np.float32)
+    padded[:, : vectors.shape[1]] = vectors
+    return padded
+
+
+def _inside(position: Vectors, size: Vectors, offset: float) -> Vectors:
+    """Into the rectangular box, through the sheared boundary; velocities are those of the images there.
+
+    A frame's particles have y inside the box but for rounding, so no velocity changes.
+    """
+    position = position.copy()
+    rows = np.floor(position[:, 1] / size[1])
+    position[:, 0] -= rows * offset
+    position[:, 1] -= rows * size[1]
+    position = np.mod(position, size)
+    position[position >= np.broadcast_to(size, position.shape)] = 0.0
+    return position
+
+
+def _unfit(problem: str, why: str, key: str) -> InputError:
+    return InputError(
+        f"start.{key} {problem}",
+        why,
+        "name a frame of a run of the same particles and box",
+        key=("start", key),
+    )

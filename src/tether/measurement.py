@@ -1,0 +1,139 @@
+"""From what the engine sampled to a labelled series of physical quantities.
+
+A sample is the mean over an interval of steps of what `core/observe/sample.hpp` takes at every step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from tether.config import Configuration
+from tether.version import __version__
+
+STRESS_TERMS = ("kinetic", "conservative", "dissipative", "random", "body")
+"""Terms of the stress. The random term's mean is zero: it is kept, and left out of every sum."""
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """Degrees of freedom behind each kinetic temperature.
+
+    Total momentum is conserved, so a group of particles with a share f of the total mass M has d f fewer than
+    d for each particle: <m v^2> = d kT (1 - m/M) of one particle.
+    """
+
+    all: float
+    solvent: float
+    constituents: float
+    body_translation: float
+    body_rotation: float
+
+    @classmethod
+    def of(cls, configuration: Configuration, rotational: int) -> Freedom:
+        """rotational: rotational degrees of freedom of all bodies (the engine counts them)."""
+        d = configuration.dimension
+        solvent = configuration.solvent_count
+        constituents = configuration.constituent_count
+        solvent_mass = solvent * configuration.fluid.mass
+        mass = solvent_mass
+        for bodies, count in zip(configuration.bodies, configuration.body_counts, strict=True):
+            mass += count * len(bodies.geometry.sites) * bodies.mass
+        bodies_share = 1 - solvent_mass / mass
+        return cls(
+            all=d * (solvent + constituents - 1),
+            solvent=d * (solvent - solvent_mass / mass),
+            constituents=d * (constituents - bodies_share),
+            body_translation=d * (sum(configuration.body_counts) - bodies_share),
+            body_rotation=rotational,
+        )
+
+
+def series(
+    samples: NDArray[np.float64],
+    columns: Sequence[tuple[str, int]],
+    steps: NDArray[np.int64],
+    configuration: Configuration,
+    freedom: Freedom,
+) -> xr.Dataset:
+    """Samples as a dataset: one variable a term, with labelled dimensions and units.
+
+    samples: shape (n, values), in the engine's order of `columns`. steps: the last step of each sample, (n,).
+    """
+    d = configuration.dimension
+    axes = list("xyz"[:d])
+    turns = list("z") if d == 2 else list("xyz")
+    parts = dict(
+        zip(
+            [name for name, _ in columns],
+            np.split(samples, np.cumsum([width for _, width in columns])[:-1], axis=1),
+            strict=True,
+        )
+    )
+    stress_unit = "energy/length^3" if d == 3 else "energy/length^2"
+    made: dict[str, tuple[tuple[str, ...], NDArray[np.float64], dict[str, str]]] = {}
+    for term in STRESS_TERMS:
+        made[f"stress_{term}"] = (
+            ("time", "row", "column"),
+            parts[f"stress_{term}"].reshape(-1, d, d),
+            {"units": stress_unit, "long_name": f"stress, {term} term, positive in tension"},
+        )
+    thermal = {
+        "temperature": (parts["thermal_solvent"] + parts["thermal_constituents"], freedom.all),
+        "temperature_solvent": (parts["thermal_solvent"], freedom.solvent),
+        "temperature_constituents": (parts["thermal_constituents"], freedom.constituents),
+        "temperature_body_translation": (parts["thermal_translation"], freedom.body_translation),
+    }
+    for name, (twice_energy, count) in thermal.items():
+        if count > 0:
+            of = name.removeprefix("temperature").replace("_", " ").strip() or "all particles"
+            made[name] = (
+                ("time",),
+                twice_energy[:, 0] / count,
+                {"units": "energy", "long_name": f"kinetic temperature of {of}"},
+            )
+    if configuration.bodies:
+        inertia = parts["inertia"].reshape(-1, len(turns), len(turns))
+        made["spin_energy"] = (
+            ("time",), parts["spin_energy"][:, 0],
+            {"units": "energy", "long_name": "sum over bodies of L . omega"},
+        )  # fmt: skip
+        made["spin"] = (
+            ("time", "axis"), parts["spin"], {"units": "1/time", "long_name": "sum over bodies of omega"},
+        )  # fmt: skip
+        made["angular_momentum"] = (
+            ("time", "axis"), parts["angular_momentum"],
+            {"units": "mass length^2/time", "long_name": "sum over bodies of L about their centers"},
+        )  # fmt: skip
+        made["inertia"] = (
+            ("time", "axis", "other_axis"), inertia,
+            {"units": "mass length^2", "long_name": "sum over bodies of the moment of inertia"},
+        )  # fmt: skip
+    made["momentum"] = (
+        ("time", "row"), parts["momentum"],
+        {"units": "mass length/time", "long_name": "total momentum against the imposed profile"},
+    )  # fmt: skip
+    time = steps * configuration.run.timestep
+    return xr.Dataset(
+        made,
+        coords={
+            "time": ("time", time, {"units": "time", "long_name": "end of the sample's interval"}),
+            "step": ("time", steps),
+            "row": axes,
+            "column": axes,
+            "axis": turns,
+            "other_axis": turns,
+        },
+        attrs={
+            "title": "tether: stress and temperatures over time",
+            "version": __version__,
+            "configuration": configuration.to_toml(),
+            "timestep": configuration.run.timestep,
+            "shear_rate": configuration.flow.shear_rate,
+            "steps_per_sample": configuration.series_interval,
+        },
+    )

@@ -1,0 +1,223 @@
+"""Result: the means of a run with their errors, and what to think of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from tether.config import Configuration
+from tether.estimate import Estimate, drifts, estimate, estimate_function
+from tether.measurement import Freedom
+from tether.theory.dimensionless import Dimensionless, dimensionless
+from tether.version import __version__
+
+_ENOUGH_STRAIN = 5.0
+_DRIFT = 3.5
+"""Standard errors between the halves of a run that call for a warning; some five means are tested at once."""
+
+
+@dataclass(frozen=True)
+class Performance:
+    """How fast the run was."""
+
+    seconds: float
+    particle_steps: float
+    threads: int
+
+    @property
+    def particle_steps_per_second(self) -> float:
+        """Particles times steps over seconds of wall-clock time, equilibration included."""
+        return self.particle_steps / self.seconds if self.seconds > 0 else math.nan
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run measured. Quantities that do not exist (N2 in 2D, a viscosity at rest) are None.
+
+    Stress is positive in tension; S_xy is the x-force through a plane normal to y; all in reduced units.
+    """
+
+    configuration: Configuration
+    series: xr.Dataset
+    """Samples over time: variables with labelled dimensions, see `tether.measurement.series`."""
+    freedom: Freedom
+    momentum_drift: float
+    """Largest change of a component of the total momentum against the imposed profile, per particle."""
+    performance: Performance
+    state_sha256: str
+    """SHA-256 of the final positions, velocities, forces, bases, offset of the box and step."""
+
+    @cached_property
+    def stress(self) -> NDArray[np.float64]:
+        """Total stress over time: kinetic + conservative + dissipative + body; shape (n, d, d)."""
+        return self.stress_pairwise + self._values("stress_body")
+
+    @cached_property
+    def stress_pairwise(self) -> NDArray[np.float64]:
+        """Kinetic + conservative + dissipative stress over time (the paper's eq. 16); shape (n, d, d)."""
+        return self._values("stress_kinetic") + self._values("stress_conservative") + self._values("stress_dissipative")
+
+    @cached_property
+    def viscosity(self) -> Estimate | None:
+        """S_xy / shear rate of the total stress: the suspension's viscosity."""
+        return self._viscosity(self.stress)
+
+    @cached_property
+    def viscosity_pairwise(self) -> Estimate | None:
+        """The same without the stress in the bodies' bases: what the paper plots."""
+        return self._viscosity(self.stress_pairwise)
+
+    @cached_property
+    def viscosity_random(self) -> Estimate | None:
+        """The random forces' share, which is zero on average and in no other mean."""
+        return self._viscosity(self._values("stress_random"))
+
+    @cached_property
+    def pressure(self) -> Estimate:
+        """p = -tr(S)/d of the total stress."""
+        return estimate(-np.trace(self.stress, axis1=1, axis2=2) / self.configuration.dimension)
+
+    @cached_property
+    def N1(self) -> Estimate:  # noqa: N802
+        """First normal stress difference S_xx - S_yy of the total stress."""
+        return estimate(self.stress[:, 0, 0] - self.stress[:, 1, 1])
+
+    @cached_property
+    def N2(self) -> Estimate | None:  # noqa: N802
+        """Second normal stress difference S_yy - S_zz of the total stress; None in 2D."""
+        if self.configuration.dimension == 2:
+            return None
+        return estimate(self.stress[:, 1, 1] - self.stress[:, 2, 2])
+
+    @cached_property
+    def temperature(self) -> dict[str, Estimate | None]:
+        """Kinetic temperatures: all, solvent, constituents, body_translation, body_rotation."""
+        names = {"all": "temperature"}
+        names |= {of: f"temperature_{of}" for of in ("solvent", "constituents", "body_translation")}
+        found: dict[str, Estimate | None] = {
+            of: estimate(self._values(name)) if name in self.series else None for of, name in names.items()
+        }
+        found["body_rotation"] = self._rotation_temperature()
+        return found
+
+    @cached_property
+    def dimensionless(self) -> Dimensionless:
+        """Peclet, Reynolds and Mach numbers, with the sizes that they used."""
+        return dimensionless(self.configuration, self.pressure.value)
+
+    @property
+    def strain(self) -> float:
+        """Total strain of the measured steps."""
+        run = self.configuration.run
+        return abs(self.configuration.flow.shear_rate) * run.timestep * self.configuration.steps
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What stands against these means, a sentence each."""
+        found = []
+        if self.configuration.flow.shear_rate != 0 and self.strain < _ENOUGH_STRAIN:
+            found.append(
+                f"the total strain is {self.strain:.3g}, less than {_ENOUGH_STRAIN:g} (the suspension may not "
+                "have forgotten its start); run longer or shear faster"
+            )
+        watched = {"temperature": self._values("temperature"), "pressure": self._pressure_series()}
+        if self.configuration.flow.shear_rate != 0:
+            watched["shear stress"] = self.stress[:, 0, 1]
+        for name, values in watched.items():
+            z = drifts(values)
+            if z is not None and abs(z) > _DRIFT:
+                found.append(
+                    f"the {name} still drifts (its two halves differ by {abs(z):.1f} standard errors); "
+                    "give the run more equilibration"
+                )
+        short = [name for name, e in self._estimates().items() if e is not None and not e.converged]
+        if short:
+            found.append(
+                f"the run is too short for an error of {', '.join(short)} (it spans too few of their "
+                "correlation times); run longer"
+            )
+        return found
+
+    def as_dict(self) -> dict[str, Any]:
+        """What summary.json holds."""
+        configuration = self.configuration
+        quantities = {name: _entry(e) for name, e in self._estimates().items()}
+        temperatures = {of: quantities.pop(f"temperature of {of.replace('_', ' ')}") for of in self.temperature}
+        return {
+            "version": __version__,
+            "seed": configuration.seed,
+            "dimension": configuration.dimension,
+            "particles": {
+                "solvent": configuration.solvent_count,
+                "constituents": configuration.constituent_count,
+                "bodies": sum(configuration.body_counts),
+                "volume_fraction": configuration.volume_fraction,
+            },
+            "steps": configuration.steps,
+            "shear_rate": configuration.flow.shear_rate,
+            "strain": self.strain,
+            "temperature": temperatures,
+            **quantities,
+            "momentum_drift": self.momentum_drift,
+            "statistical_inefficiency": {
+                name: e.inefficiency * configuration.series_interval if e is not None else None
+                for name, e in self._estimates().items()
+            },
+            "dimensionless": self.dimensionless.as_dict(),
+            "warnings": self.warnings,
+            "performance": {
+                "particle_steps_per_second": self.performance.particle_steps_per_second,
+                "seconds": self.performance.seconds,
+                "threads": self.performance.threads,
+            },
+            "state_sha256": self.state_sha256,
+        }
+
+    def _estimates(self) -> dict[str, Estimate | None]:
+        temperatures = {f"temperature of {of.replace('_', ' ')}": e for of, e in self.temperature.items()}
+        return {
+            **temperatures,
+            "pressure": self.pressure,
+            "viscosity": self.viscosity,
+            "viscosity_pairwise": self.viscosity_pairwise,
+            "viscosity_random": self.viscosity_random,
+            "N1": self.N1,
+            "N2": self.N2,
+        }
+
+    def _values(self, name: str) -> NDArray[np.float64]:
+        return np.asarray(self.series[name].values, dtype=np.float64)
+
+    def _pressure_series(self) -> NDArray[np.float64]:
+        return np.asarray(-np.trace(self.stress, axis1=1, axis2=2) / self.configuration.dimension)
+
+    def _viscosity(self, stress: NDArray[np.float64]) -> Estimate | None:
+        rate = self.configuration.flow.shear_rate
+        return estimate(stress[:, 0, 1] / rate) if rate != 0 else None
+
+    def _rotation_temperature(self) -> Estimate | None:
+        """(<L . omega> - 2 s . <L> + s . <I> s) / degrees of freedom, with s the measured mean spin."""
+        if "spin" not in self.series or self.freedom.body_rotation == 0:
+            return None
+        bodies = sum(self.configuration.body_counts)
+        spin = self._values("spin") / bodies
+        turns = spin.shape[1]
+        inertia = self._values("inertia").reshape(len(spin), turns * turns)
+        columns = np.hstack([self._values("spin_energy")[:, None], spin, self._values("angular_momentum"), inertia])
+
+        def temperature(means: NDArray[np.float64]) -> float:
+            energy, s, momentum, flat = np.split(means, [1, 1 + turns, 1 + 2 * turns])
+            tensor = flat.reshape(turns, turns)
+            return float(energy[0] - 2 * s @ momentum + s @ tensor @ s) / self.freedom.body_rotation
+
+        return estimate_function(temperature, columns)
+
+
+def _entry(estimate: Estimate | None) -> dict[str, float | None] | None:
+    return None if estimate is None else estimate.as_dict()

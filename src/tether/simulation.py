@@ -1,0 +1,339 @@
+"""Simulation: a suspension, and the run that measures it."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tether import measurement, placement
+from tether.bodies import Bodies
+from tether.box import Box
+from tether.config import Configuration, Output, Reference, Run, Start
+from tether.engines import cpu_engine, default_threads
+from tether.errors import RunError
+from tether.files.trajectory import read_frame
+from tether.flows import Couette, Rest
+from tether.fluid import Fluid
+from tether.result import Performance, Result
+
+if TYPE_CHECKING:
+    from tether.files.checkpoint import Checkpoint
+
+_GENTLE_DISPLACEMENT = 0.05
+"""The furthest that a particle moves in a step of the gentle start, in cutoffs."""
+
+Vectors = NDArray[np.float64]
+
+
+class Simulation:
+    """A suspension in a box, ready to run.
+
+    Units are reduced ones: any consistent mass, length and time; temperature is kT, an energy. Results do not
+    depend on `threads`. Raises InputError, one sentence, for values that cannot be.
+
+    Example:
+        import tether as tt
+        sim = tt.Simulation(box=tt.Box(20, 20, 10), fluid=tt.Fluid(temperature=1.0),
+                            bodies=[tt.Bodies(tt.cube(0.25), count=512)], flow=tt.Couette(shear_rate=0.05),
+                            timestep=0.005, seed=1)
+        result = sim.run(equilibration=20_000, steps=100_000)
+        result.viscosity
+    """
+
+    def __init__(
+        self,
+        *,
+        box: Box,
+        fluid: Fluid,
+        bodies: Sequence[Bodies] = (),
+        flow: Rest | Couette | None = None,
+        timestep: float,
+        seed: int = 0,
+        verlet_lambda: float = 0.5,
+        start: Start | None = None,
+        output: Output | None = None,
+        reference: Reference | None = None,
+        threads: int | None = None,
+    ) -> None:
+        self._prepare(
+            Configuration(
+                seed=seed,
+                box=box,
+                fluid=fluid,
+                bodies=tuple(bodies),
+                flow=flow or Rest(),
+                run=Run(timestep=timestep, steps=1, verlet_lambda=verlet_lambda),
+                start=start or Start(),
+                output=output or Output(),
+                reference=reference or Reference(),
+            ),
+            threads,
+        )
+
+    @classmethod
+    def from_configuration(cls, configuration: Configuration, threads: int | None = None) -> Simulation:
+        """The simulation of a configuration, at step 0."""
+        simulation = cls.__new__(cls)
+        simulation._prepare(configuration, threads)
+        return simulation
+
+    def _prepare(self, configuration: Configuration, threads: int | None) -> None:
+        self.configuration = configuration
+        particles = configuration.solvent_count + configuration.constituent_count
+        self.threads = threads or default_threads(particles)
+        self.engine = cpu_engine(configuration, self.threads)
+        self._begin = 0  # the step that the current run began at
+        self._samples: list[Vectors] = []
+        self._momentum: Vectors | None = None
+        self._seconds = 0.0
+        self._is_placed = False
+
+    # --- what is there ---
+
+    @property
+    def step(self) -> int:
+        """Steps done, equilibration included."""
+        return self.engine.step
+
+    @property
+    def time(self) -> float:
+        """Time simulated, in units of time."""
+        return self.step * self.configuration.run.timestep
+
+    @property
+    def positions(self) -> Vectors:
+        """Positions inside the box, a copy of shape (n, d): solvent, then constituents body by body."""
+        self.place()
+        return self.engine.position
+
+    @property
+    def velocities(self) -> Vectors:
+        """Velocities in the laboratory frame, a copy of shape (n, d)."""
+        self.place()
+        return self.engine.velocity
+
+    @property
+    def species(self) -> NDArray[np.uint8]:
+        """0 for solvent, k for constituents of the k-th kind of bodies; a copy of shape (n,)."""
+        return self.engine.species
+
+    @property
+    def body_index(self) -> NDArray[np.int32]:
+        """The body that a particle belongs to, -1 for solvent; shape (n,)."""
+        index = [np.full(self.configuration.solvent_count, -1, dtype=np.int32)]
+        first = 0
+        for bodies, count in zip(self.configuration.bodies, self.configuration.body_counts, strict=True):
+            sites = len(bodies.geometry.sites)
+            index.append(np.repeat(np.arange(first, first + count, dtype=np.int32), sites))
+            first += count
+        return np.concatenate(index)
+
+    @property
+    def masses(self) -> Vectors:
+        """Mass of each particle, shape (n,)."""
+        of_species = [self.configuration.fluid.mass, *(b.mass for b in self.configuration.bodies)]
+        return np.array(of_species)[self.species]
+
+    @property
+    def state_sha256(self) -> str:
+        """SHA-256 of positions, velocities, forces, bases, the box's offset and the step."""
+        digest = hashlib.sha256()
+        for array in (self.engine.position, self.engine.velocity, self.engine.force, self.engine.bases):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        digest.update(np.array([self.engine.offset]).tobytes())
+        digest.update(np.array([self.engine.step], dtype=np.int64).tobytes())
+        return digest.hexdigest()
+
+    # --- running ---
+
+    def run(
+        self,
+        *,
+        equilibration: int = 0,
+        steps: int | None = None,
+        strain: float | None = None,
+        out: str | Path | None = None,
+        force: bool = False,
+    ) -> Result:
+        """Advance by `equilibration` steps, then measure for `steps` (or up to a total `strain`).
+
+        Another call goes on from here and measures anew. With `out` the run writes its folder as `tether run`
+        does, checkpoints included. Ctrl-C stops within a second; with `out` nothing is lost then.
+        Raises RunError when a particle runs away.
+        """
+        from tether.record import drive, record_of  # the record of a run needs this module
+
+        run = self.configuration.run.changed(equilibration=equilibration, steps=steps, strain=strain)
+        self.configuration = self.configuration.changed(run=run)
+        self._begin = self.step
+        self._samples = []
+        self._momentum = None
+        self._seconds = 0.0
+        drive(self, record_of(self.configuration, out, force) if out is not None else None)
+        return self.result()
+
+    def place(self) -> None:
+        """Place the particles, if they are not yet: bodies, solvent, velocities, and the gentle start."""
+        if self._is_placed:
+            return
+        configuration = self.configuration
+        places, speeds = (np.random.default_rng([configuration.seed, stream]) for stream in (1, 2))
+        engine = self.engine
+        if configuration.start.file is not None:
+            frame = read_frame(configuration)
+            engine.position, engine.offset = frame.position, frame.offset
+            velocity = frame.velocity
+        else:
+            size = np.array(configuration.box.size)
+            at = np.mod(placement.positions(configuration, places), size)
+            at[at >= size] = 0.0  # a rounding error below 0 comes out as the side itself
+            engine.position = at
+            engine.velocity = np.zeros_like(at)
+            engine.start_gently(configuration.start.gentle_steps, _GENTLE_DISPLACEMENT * configuration.fluid.cutoff)
+            velocity = None
+        if velocity is None:
+            velocity = placement.velocities(configuration, engine.position, self.masses, speeds)
+        engine.velocity = velocity
+        engine.place()
+        self._is_placed = True
+
+    @property
+    def measured_from(self) -> int:
+        """The step that measuring begins at."""
+        return self._begin + self.configuration.run.equilibration
+
+    @property
+    def end(self) -> int:
+        """The step that the current run ends at."""
+        return self.measured_from + self.configuration.steps
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the current run is at its end."""
+        return self.step >= self.end
+
+    def advance(self, most_steps: int) -> None:
+        """Go on by about `most_steps`, not beyond the end of equilibration or of the run.
+
+        While measuring, a whole number of samples is taken. Raises RunError when a particle runs away.
+        """
+        self.place()
+        began = time.perf_counter()
+        left = (self.measured_from if self.step < self.measured_from else self.end) - self.step
+        interval = self.configuration.series_interval
+        if self.step < self.measured_from:
+            self.engine.run(min(most_steps, left))
+        elif left < interval:
+            self.engine.run(left)  # too few for a sample
+        else:
+            if self._momentum is None:
+                self._momentum = self._peculiar_momentum()
+            steps = min(max(most_steps // interval, 1), left // interval) * interval
+            samples = self.engine.run(steps, interval)
+            if self.engine.fault is None:
+                self._samples.append(samples)
+        self._seconds += time.perf_counter() - began
+        if self.engine.fault is not None:
+            raise self._runaway(*self.engine.fault)
+
+    def result(self) -> Result:
+        """The means so far. Raises RunError when nothing has been measured."""
+        if not self._samples:
+            raise RunError("nothing has been measured yet", "the run is still equilibrating", "run longer")
+        configuration = self.configuration
+        samples = np.concatenate(self._samples)
+        interval = configuration.series_interval
+        freedom = measurement.Freedom.of(configuration, self.engine.rotational_freedom)
+        assert self._momentum is not None
+        drift = np.abs(self._peculiar_momentum() - self._momentum).max() / len(self.species)
+        return Result(
+            configuration=configuration,
+            series=measurement.series(
+                samples,
+                type(self.engine).columns,
+                self.measured_from + interval * np.arange(1, len(samples) + 1),
+                configuration,
+                freedom,
+            ),
+            freedom=freedom,
+            momentum_drift=float(drift),
+            performance=Performance(self._seconds, float(len(self.species)) * (self.step - self._begin), self.threads),
+            state_sha256=self.state_sha256,
+        )
+
+    def measured_samples(self) -> Vectors:
+        """What has been sampled so far, in the engine's columns; shape (n, values)."""
+        width = sum(count for _, count in type(self.engine).columns)
+        return np.concatenate(self._samples) if self._samples else np.empty((0, width))
+
+    def kinetic_temperature(self) -> float:
+        """Kinetic temperature of all particles at this moment."""
+        at, v = self.engine.position, self.engine.velocity
+        v[:, 0] -= self.configuration.flow.shear_rate * (at[:, 1] - 0.5 * self.configuration.box.size[1])
+        return float((self.masses[:, None] * v**2).sum() / (v.shape[1] * (len(v) - 1)))
+
+    # --- checkpoints ---
+
+    def checkpoint(self) -> Checkpoint:
+        """The whole state, and what has been measured."""
+        from tether.files.checkpoint import Checkpoint
+
+        self.place()
+        engine = self.engine
+        return Checkpoint(
+            configuration=self.configuration,
+            arrays={
+                "position": engine.position,
+                "velocity": engine.velocity,
+                "force": engine.force,
+                "bases": engine.bases,
+                "samples": self.measured_samples(),
+                "momentum": self._momentum if self._momentum is not None else np.empty(0),
+            },
+            numbers={"step": engine.step, "begin": self._begin},
+            offset=engine.offset,
+            seconds=self._seconds,
+        )
+
+    def restore(self, checkpoint: Checkpoint) -> None:
+        """Stand exactly where the checkpoint was taken."""
+        engine, arrays = self.engine, checkpoint.arrays
+        engine.position, engine.velocity, engine.force = (arrays[name] for name in ("position", "velocity", "force"))
+        engine.bases = arrays["bases"]
+        engine.offset = checkpoint.offset
+        engine.step = checkpoint.numbers["step"]
+        self._begin = checkpoint.numbers["begin"]
+        self._samples = [arrays["samples"]] if len(arrays["samples"]) else []
+        self._momentum = arrays["momentum"] if len(arrays["momentum"]) else None
+        self._seconds = checkpoint.seconds
+        self._is_placed = True
+
+    def _peculiar_momentum(self) -> Vectors:
+        v = self.engine.velocity
+        rate, height = self.configuration.flow.shear_rate, self.configuration.box.size[1]
+        v[:, 0] -= rate * (self.engine.position[:, 1] - 0.5 * height)
+        momentum: Vectors = (self.masses[:, None] * v).sum(axis=0)
+        return momentum
+
+    def _runaway(self, step: int, particle: int, speed: float) -> RunError:
+        timestep = self.configuration.run.timestep
+        kind = "solvent particle" if particle < self.configuration.solvent_count else "constituent"
+        return RunError(
+            f"{kind} {particle} ran away at step {step}, at a speed of {speed:.3g}",
+            f"it would cross half a cutoff in one step, so run.timestep = {timestep:g} is too long for these forces",
+            f"try run.timestep = {timestep / 4:.2g}",
+            key=("run", "timestep"),
+        )
+
+    def __repr__(self) -> str:
+        c: Any = self.configuration
+        return (
+            f"<Simulation in {c.dimension}D: {c.solvent_count} solvent particles, {sum(c.body_counts)} bodies "
+            f"(phi = {c.volume_fraction:.4f}), {c.flow.kind}, step {self.step}>"
+        )
