@@ -147,9 +147,9 @@ SPOILED = [
         '"60 s"',
         31,
         'output.checkpoint = "60 s" is text',
-        "checkpoint = { seconds = 60.0 }",
+        "checkpoint = {seconds = 60.0}",
     ),
-    ("{ seconds = 60 }", "true", 31, "output.checkpoint = true is true or false", "{ seconds = 60.0 }"),
+    ("{ seconds = 60 }", "true", 31, "output.checkpoint = true is true or false", "{seconds = 60.0}"),
     # ranges
     (
         "temperature = 1.0",
