@@ -19,15 +19,13 @@ setup: .venv/installed
 
 .venv/dependencies: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "tether needs Python 3.11 or newer; name one: make setup PYTHON=python3.12")'
-	@test -e "$$($(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h" || \
-	    { echo "Python.h is missing, so no extension module can be built; install it: apt-get install python3-dev" >&2; exit 1; }
 	test -x $(bin)/python || $(PYTHON) -m venv .venv
 	$(bin)/python -m pip install --quiet --upgrade 'pip>=25.1'
 	$(bin)/python -m pip install --quiet --group build --group test --group docs --group dev
 	touch $@
 
-.venv/installed: .venv/dependencies CMakeLists.txt pyproject.toml $(cpp_sources)
-	$(bin)/python -m pip install --quiet --no-build-isolation --editable .
+.venv/installed: .venv/dependencies CMakeLists.txt pyproject.toml tools/python-headers $(cpp_sources)
+	source tools/python-headers && $(bin)/python -m pip install --quiet --no-build-isolation --editable .
 	touch $@
 
 demo: setup

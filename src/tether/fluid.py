@@ -21,8 +21,8 @@ class Fluid(Model):
         default=4.0,
         gt=0,
         examples=[4.0],
-        description="Number of solvent particles per unit of volume (of area in 2D). It is counted over the "
-        "whole box and is not lowered when bodies are added.",
+        description="Number density of the solvent, in units of 1 / volume (1 / area in 2D). It is counted over "
+        "the whole box and is not lowered when bodies are added.",
     )
     repulsion: float = Field(
         default=18.75,

@@ -20,10 +20,10 @@ def value(item: Any) -> str:
         if isinstance(item, Mapping):
             table = tomlkit.inline_table()
             table.update(item)
-            return table.as_string()
+            return str(table.as_string())
         if isinstance(item, list | tuple):
             return f"[{', '.join(value(inner) for inner in item)}]"
-        return tomlkit.item(item).as_string()
+        return str(tomlkit.item(item).as_string())
     except (TOMLKitError, TypeError, ValueError):
         return str(item)
 

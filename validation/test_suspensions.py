@@ -1,0 +1,143 @@
+"""Viscosities, pressures and temperatures against independent values.
+
+The independent values were measured with a separate double-precision program (plain cell lists, the same integrator,
+errors from 20 blocks) unless another source is named. Agreement is judged by 2.5 combined standard errors, which a
+correct program misses in 1.2 % of comparisons; there are some twenty here, so about one run in five of the whole table
+has a miss somewhere. The seeds are fixed: what is committed passed with them and was not chosen for passing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+import tether as tt
+
+_SIGMAS = 2.5
+_FLUID = tt.Fluid(temperature=1.0)
+
+
+@dataclass(frozen=True)
+class Known:
+    """An independent value with its error, and how small ours has to be (relative)."""
+
+    value: float
+    error: float
+    smallest: float
+
+    def agrees(self, found: tt.Estimate) -> bool:
+        return abs(found.value - self.value) <= _SIGMAS * math.hypot(found.error, self.error)
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    box: tt.Box
+    timestep: float
+    rate: float
+    steps: int
+    viscosity: Known
+    equilibration: int = 2000
+    pressure: Known | None = None
+    pairwise: float | None = None
+    bodies: tuple[tt.Bodies, ...] = ()
+    fluid: tt.Fluid = _FLUID
+
+    def run(self, base: str = "massless") -> tt.Result:
+        bodies = [b.changed(base=base) for b in self.bodies]
+        simulation = tt.Simulation(
+            box=self.box, fluid=self.fluid, bodies=bodies, flow=tt.Couette(shear_rate=self.rate),
+            timestep=self.timestep, seed=11,
+        )  # fmt: skip
+        return simulation.run(equilibration=self.equilibration, steps=self.steps)
+
+
+_SQUARE, _CUBE = tt.Box(10, 10), tt.Box(10, 10, 10)
+
+PLAIN = [
+    Case("plain_3d", _CUBE, 0.005, 0.2, 36_000, Known(2.503, 0.023, 0.015), pressure=Known(32.68, 0.01, 0.002)),
+    Case("plain_2d", _SQUARE, 0.01, 0.2, 100_000, Known(3.090, 0.023, 0.015), pressure=Known(40.52, 0.01, 0.002)),
+    # Bindgen et al., Phys. Fluids 33 (2021), doi 10.1063/5.0055396: 0.7410(19) + 0.134(5); p without an error.
+    Case(
+        "bindgen", tt.Box(12, 12, 12), 0.005, 0.0669, 100_000, Known(0.875, 0.0054, 0.02),
+        pressure=Known(23.66, 0.005, 0.005),
+        fluid=tt.Fluid(density=3.0, repulsion=25.0, friction=4.5, temperature=1.0, exponent=2.0),
+    ),
+]  # fmt: skip
+
+SUSPENSIONS = [
+    Case(
+        "squares_25", _SQUARE, 0.01, 0.2, 100_000, Known(5.17, 0.03, 0.01), pairwise=4.96,
+        bodies=(tt.Bodies("square", count=25),),
+    ),
+    Case(
+        "squares_100", _SQUARE, 0.01, 0.2, 60_000, Known(14.84, 0.05, 0.01), pairwise=13.18,
+        bodies=(tt.Bodies("square", count=100),),
+    ),
+    Case("cubes_250", _CUBE, 0.005, 0.2, 14_000, Known(6.64, 0.04, 0.01), pairwise=5.98,
+         bodies=(tt.Bodies("cube", count=250),)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", PLAIN, ids=lambda case: case.name)
+def test_plain_fluid(case: Case, record: Callable[..., None]) -> None:
+    """Viscosity and pressure agree, and the kinetic temperature is within 0.3 % of kT."""
+    result = case.run()
+    record(case.name, **_found(result))
+    assert result.viscosity is not None
+    assert case.pressure is not None
+    assert result.viscosity.relative_error < case.viscosity.smallest
+    assert case.viscosity.agrees(result.viscosity)
+    assert abs(result.pressure.value / case.pressure.value - 1) < case.pressure.smallest
+    temperature = result.temperature["all"]
+    assert temperature is not None
+    assert abs(temperature.value - 1) < 0.003
+
+
+@pytest.mark.parametrize("case", SUSPENSIONS, ids=lambda case: case.name)
+def test_suspension(case: Case, record: Callable[..., None]) -> None:
+    """Total and pairwise viscosity agree, errors are under 1 %, and all five temperatures are within 1.5 % of kT."""
+    result = case.run()
+    record(case.name, **_found(result))
+    assert result.viscosity is not None
+    assert result.viscosity_pairwise is not None
+    assert result.viscosity.relative_error < case.viscosity.smallest
+    assert case.viscosity.agrees(result.viscosity)
+    assert case.pairwise is not None
+    assert Known(case.pairwise, case.viscosity.error, 0.01).agrees(result.viscosity_pairwise)
+    for name, temperature in result.temperature.items():
+        assert temperature is not None, name
+        assert abs(temperature.value - 1) < 0.015, name
+    assert result.viscosity_random is not None
+    assert abs(result.viscosity_random.value) < 4 * result.viscosity_random.error
+
+
+@pytest.mark.parametrize("base", ["newton-euler", "newton-euler-lagged"])
+@pytest.mark.parametrize("case", SUSPENSIONS, ids=lambda case: case.name)
+def test_newton_euler_base(case: Case, base: str, record: Callable[..., None]) -> None:
+    """What the paper's way of moving the base does to the temperatures: docs/findings.md tells the story."""
+    try:
+        result = case.run(base)
+    except tt.RunError as error:
+        record(f"{case.name}_{base}", failed=str(error))
+        assert base == "newton-euler-lagged"
+        return
+    record(f"{case.name}_{base}", **_found(result))
+    constituents, solvent = result.temperature["constituents"], result.temperature["solvent"]
+    assert constituents is not None
+    assert solvent is not None
+    assert constituents.value > 1.5
+    assert abs(solvent.value - 1) < 0.02
+    if base == "newton-euler":
+        translation = result.temperature["body_translation"]
+        assert translation is not None
+        assert abs(translation.value - 1) < 0.05
+
+
+def _found(result: tt.Result) -> dict[str, object]:
+    summary = result.as_dict()
+    summary["performance"]["particle_steps_per_second"] = round(summary["performance"]["particle_steps_per_second"])
+    return {"configuration": result.configuration.to_toml(), "summary": summary}
