@@ -1,0 +1,1 @@
+"""How fast tether is: `python -m benchmarks`."""
