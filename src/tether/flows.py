@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
+import numpy.typing as npt
 from pydantic import Field, field_validator
 
 from tether.model import Model, fault
+
+Heights = npt.NDArray[np.float64]
 
 
 class Rest(Model):
@@ -19,9 +23,13 @@ class Rest(Model):
         """0, in units of 1 / time."""
         return 0.0
 
+    def velocity(self, y: Heights, height: float) -> Heights:  # noqa: ARG002
+        """Imposed velocity along x: 0 everywhere."""
+        return np.zeros_like(y)
+
 
 class Couette(Model):
-    """Plane shear at a constant rate, with mean velocity (rate * y, 0, 0), by Lees-Edwards boundaries."""
+    """Plane shear at a constant rate, with mean velocity (rate (y - L_y/2), 0, 0), by Lees-Edwards boundaries."""
 
     kind: Literal["couette"] = Field(default="couette", description="Plane shear by Lees-Edwards boundaries.")
     shear_rate: float = Field(
@@ -36,6 +44,10 @@ class Couette(Model):
             why = "the viscosity is the shear stress over the shear rate"
             raise fault((), "= 0 does not shear", why, 'give a rate other than 0, or the flow of kind "rest"')
         return rate
+
+    def velocity(self, y: Heights, height: float) -> Heights:
+        """Imposed velocity along x, rate (y - height/2), at heights y of a box of that height."""
+        return self.shear_rate * (y - 0.5 * height)
 
 
 Flow = Annotated[Rest | Couette, Field(discriminator="kind")]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
+import math
 import os
+import shlex
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -17,23 +18,33 @@ from typing import Any
 import xarray as xr
 
 from tether.config import Configuration, Interval, load
+from tether.engines import instruction_set
 from tether.errors import InputError, RunError, TetherError
 from tether.files import trajectory
 from tether.files.checkpoint import Checkpoint
-from tether.files.whole import whole
+from tether.files.lock import locked
+from tether.files.whole import part_of, whole
 from tether.result import Result
 from tether.simulation import Simulation
+from tether.version import __version__
 
 _CHUNK_SECONDS = 0.1
 """About how long the engine runs between looks at signals, files and the clock."""
 
 
-class Stopped(Exception):  # noqa: N818  (stopping is no error)
+_SERIES_SECONDS = 10.0
+"""The least time between two writings of the series so far, which only pictures of a run under way need."""
+
+_MARK = "# tether "
+"""How config.toml begins: --force overwrites no folder without it, whatever else is called config.toml."""
+
+
+class Stopped(KeyboardInterrupt):
     """The run was stopped by a signal, after a checkpoint (if it has a record)."""
 
     def __init__(self, signal_number: int, step: int, folder: Path | None) -> None:
         self.signal_number = signal_number
-        how = f"; go on with: tether resume {folder}" if folder is not None else ""
+        how = f"; go on with: tether resume {shlex.quote(str(folder))}" if folder is not None else ""
         super().__init__(f"stopped at step {step}{how}")
 
 
@@ -52,31 +63,43 @@ class Record:
     def create(cls, folder: Path, configuration: Configuration, force: bool = False) -> Record:
         """A new folder for a run. Raises InputError when it exists (unless `force`) or cannot be written."""
         record = cls(folder)
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"{folder} is a file", "a run writes a folder", "choose another with --out")
-        if folder.is_dir() and any(folder.iterdir()):
-            if not record.configuration_path.is_file():
-                raise InputError(
-                    f"{folder} exists and is no folder of a run",
-                    "what it holds is left alone, with --force too",
-                    "choose another with --out",
-                )
-            if not force:
-                raise InputError(
-                    f"{folder} exists",
-                    "the run in it would be overwritten",
-                    f"choose another with --out, go on with tether resume {folder}, or overwrite it with --force",
-                )
+        record.check_free(force)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            with record.locked():
+            with locked(folder):
                 for path in record._written():
                     path.unlink(missing_ok=True)
-                record.write_configuration(configuration)
+                record._write_configuration(configuration)
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise InputError(f"{folder} cannot be written", reason, "choose another with --out") from None
+            raise _unwritable(folder, error) from None
         return record
+
+    def check_free(self, force: bool = False) -> None:
+        """Raise InputError when a new run may not be written here."""
+        folder = self.folder
+        try:
+            if folder.exists() and not folder.is_dir():
+                raise InputError(f"{folder} is a file", "a run writes a folder", "choose another with --out")
+            if not folder.is_dir() or not any(path for path in folder.iterdir() if path.name[0] != "."):
+                return
+            is_run = self.configuration_path.is_file() and self.configuration_path.read_bytes().startswith(
+                _MARK.encode()
+            )
+        except OSError as error:
+            raise _unwritable(folder, error) from None
+        if not is_run:
+            raise InputError(
+                f"{folder} exists and is no folder of a run",
+                "what it holds is left alone, with --force too",
+                "choose another with --out",
+            )
+        if not force:
+            raise InputError(
+                f"{folder} exists",
+                "the run in it would be overwritten",
+                f"choose another with --out, go on with tether resume {shlex.quote(str(folder))}, or overwrite it "
+                "with --force",
+            )
 
     @classmethod
     def open(cls, folder: Path) -> Record:
@@ -94,22 +117,27 @@ class Record:
         """The configuration as resolved."""
         return load(self.configuration_path)
 
-    def write_configuration(self, configuration: Configuration) -> None:
-        """Write config.toml."""
-        with whole(self.configuration_path) as temporary:
-            temporary.write_text(configuration.to_toml(), encoding="utf-8")
+    def take_over(self, simulation: Simulation) -> None:
+        """Make the folder stand where the simulation stands: its configuration, and no frame after its step."""
+        if not self._holds(simulation.configuration):
+            self._write_configuration(simulation.configuration)
+        trajectory.cut(self.trajectory_path, simulation.step)
 
     def write_checkpoint(self, simulation: Simulation) -> None:
-        """Write the checkpoint, and the series measured so far."""
+        """Write the checkpoint."""
         simulation.checkpoint().write(self.checkpoint_path)
-        if len(simulation.measured_samples()):
-            self._write_series(simulation.result())
 
-    def write_result(self, result: Result) -> None:
-        """Write the series and summary.json."""
-        self._write_series(result)
+    def write_series(self, simulation: Simulation) -> None:
+        """Write the series measured so far, if anything is."""
+        if len(simulation.measured_samples()):
+            series = simulation.result().series
+            with whole(self.series_path) as temporary:
+                series.to_netcdf(temporary, engine="h5netcdf")
+
+    def write_summary(self, result: Result) -> None:
+        """Write summary.json."""
         with whole(self.summary_path) as temporary:
-            temporary.write_text(json.dumps(result.as_dict(), indent=2) + "\n", encoding="utf-8")
+            temporary.write_text(json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds. Raises InputError when the run has not ended."""
@@ -140,32 +168,26 @@ class Record:
                 f"{self.series_path} is damaged", str(error).splitlines()[0], "run the configuration again"
             ) from None
 
-    @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other processes from writing into the folder. Raises InputError when one does."""
-        handle = os.open(self.folder, os.O_RDONLY)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(handle)
-            raise InputError(
-                f"{self.folder} is in use", "another tether is running in it", "wait for it, or stop it"
-            ) from None
-        try:
-            yield
-        finally:
-            os.close(handle)
+    def _write_configuration(self, configuration: Configuration) -> None:
+        with whole(self.configuration_path) as temporary:
+            temporary.write_text(
+                f"{_MARK}{__version__} wrote this: the configuration of the run in this folder, as resolved.\n"
+                f"{configuration.to_toml()}",
+                encoding="utf-8",
+            )
 
-    def _write_series(self, result: Result) -> None:
-        with whole(self.series_path) as temporary:
-            result.series.to_netcdf(temporary, engine="h5netcdf")
+    def _holds(self, configuration: Configuration) -> bool:
+        try:
+            return self.configuration().to_toml() == configuration.to_toml()
+        except InputError:
+            return False
 
     def _written(self) -> list[Path]:
-        files = [
-            self.trajectory_path, self.series_path, self.checkpoint_path, self.summary_path,
-            self.trajectory_path.with_name("trajectory.gsd.damaged"),
-        ]  # fmt: skip
-        return files + [path for kind in ("png", "svg") for path in self.folder.glob(f"*.{kind}")]
+        files = [self.trajectory_path, self.series_path, self.checkpoint_path, self.summary_path]
+        pictures = [self.folder / f"{name}.{kind}" for name in ("series", "profile") for kind in ("png", "svg")]
+        relative = [self.folder / f"relative.{kind}" for kind in ("json", "png", "svg")]
+        written = [*files, *pictures, *relative]
+        return [*written, *map(part_of, written), trajectory.set_aside(self.trajectory_path)]
 
 
 def record_of(configuration: Configuration, out: str | Path, force: bool) -> Record:
@@ -174,35 +196,56 @@ def record_of(configuration: Configuration, out: str | Path, force: bool) -> Rec
 
 
 def resume(folder: Path, threads: int | None = None, more_steps: int = 0) -> tuple[Simulation, Record, list[str]]:
-    """The simulation of a folder where its checkpoint left it, and remarks for the user.
+    """The simulation of a folder where its checkpoint left it, and remarks for the user. Nothing is written yet.
 
     more_steps: measured steps to add to the run's length. Raises InputError for what cannot be resumed.
     """
     record = Record.open(folder)
-    if not record.checkpoint_path.exists():  # stopped before the first one: begin again, in the same bits
-        checkpoint = None
-        configuration = record.configuration()
-    else:
+    checkpoint = None
+    configuration = record.configuration()
+    if record.checkpoint_path.exists():
         checkpoint = Checkpoint.read(record.checkpoint_path)
-        configuration = checkpoint.configuration
+        configuration = _lengthened(checkpoint.configuration, configuration, record)
+    elif record.summary_path.exists():
+        raise InputError(
+            f"{folder} has results and no checkpoint",
+            "its run has ended and cannot go on without one",
+            "see them with tether show, or run the configuration again",
+        )  # else stopped before the first one: begin again, in the same bits
     if more_steps > 0:
         steps = configuration.steps + more_steps
         configuration = configuration.resolved()  # the intervals stay those of the shorter run
         configuration = configuration.changed(run=configuration.run.changed(steps=steps, strain=None))
-        record.write_configuration(configuration)
     simulation = Simulation.from_configuration(configuration, threads)
     remarks = []
     if checkpoint is not None:
         simulation.restore(checkpoint)
-        from tether.engines import instruction_set
-
         if checkpoint.instruction_set != instruction_set():
             remarks.append(
                 f"the checkpoint was written on {checkpoint.instruction_set}, this is {instruction_set()} (the run "
                 "goes on correctly, but not in the same bits)"
             )
-    trajectory.cut(record.trajectory_path, simulation.step if checkpoint is not None else -1)
+    if not trajectory.is_readable(record.trajectory_path):
+        aside = trajectory.set_aside(record.trajectory_path).name
+        remarks.append(
+            f"{record.trajectory_path} is damaged (it cannot be read as GSD); it is kept as {aside}, and a new one "
+            "begins here"
+        )
     return simulation, record, remarks
+
+
+def _lengthened(checkpoint: Configuration, written: Configuration, record: Record) -> Configuration:
+    """The checkpoint's configuration, as long as the one in config.toml, which differs in nothing else."""
+    checkpoint = checkpoint.resolved()
+    run = checkpoint.run.changed(steps=written.run.steps, strain=written.run.strain)
+    lengthened = checkpoint.changed(run=run, output=checkpoint.output.changed(checkpoint=written.output.checkpoint))
+    if lengthened.to_toml() != written.to_toml() or lengthened.steps < checkpoint.steps:
+        raise InputError(
+            f"{record.configuration_path} is not what this run was made from",
+            "on the way only run.steps may grow and output.checkpoint change",
+            "put it back as it was, or copy it and run it into another folder",
+        )
+    return lengthened
 
 
 def drive(
@@ -212,41 +255,63 @@ def drive(
 ) -> None:
     """Run the simulation to its end, writing the record as it goes.
 
-    watch: called after every chunk of steps. Raises Stopped (SIGTERM in any case, Ctrl-C with a record) or
-    KeyboardInterrupt after a checkpoint, RunError when the run fails; what was measured is written either way.
+    watch: called after every chunk of steps. Raises Stopped, a KeyboardInterrupt, after Ctrl-C or SIGTERM (and a
+    checkpoint), RunError when the run fails or the record cannot be written; what was measured is kept either way.
     """
-    lock: AbstractContextManager[None] = record.locked() if record is not None else nullcontext()
-    with lock, _stop_signals() as stopped:
-        simulation.place()
-        writer = _Writer(simulation, record) if record is not None else None
-        chunk = 1
+    if record is None:
+        with _stop_signals() as stopped:
+            _advance(simulation, None, watch, stopped)
+    else:
         try:
-            while not simulation.is_finished:
-                most = min(chunk, writer.steps_to_frame()) if writer is not None else chunk
-                step, began = simulation.step, time.perf_counter()
-                simulation.advance(most)
-                spent = time.perf_counter() - began
-                # From one measured step to the next: long enough to cost nothing, short enough to stop soon.
-                chunk = max(1, min(2 * chunk, round(_CHUNK_SECONDS * (simulation.step - step) / max(spent, 1e-9))))
-                if writer is not None:
-                    writer.look()
-                if watch is not None:
-                    watch(simulation)
-                if stopped:
-                    break
-        except TetherError:
-            if writer is not None:
-                writer.save_series()
-            raise
-        finally:
-            if writer is not None:
-                writer.trajectory.close()
-        if record is not None:
-            record.write_checkpoint(simulation)
-            if simulation.is_finished:
-                record.write_result(simulation.result())
-        if stopped and not simulation.is_finished:
-            raise Stopped(stopped[0], simulation.step, record.folder if record is not None else None)
+            with locked(record.folder), _stop_signals() as stopped:
+                _recorded(simulation, record, watch, stopped)
+        except BrokenPipeError:
+            raise  # from `watch`: the terminal has gone
+        except OSError as error:
+            remedy = f"see to the disk, then tether resume {shlex.quote(str(record.folder))}"
+            raise RunError(f"{record.folder} cannot be written", _reason(error), remedy) from error
+    if stopped and not simulation.is_finished:
+        raise Stopped(stopped[0], simulation.step, record.folder if record is not None else None)
+
+
+def _recorded(
+    simulation: Simulation, record: Record, watch: Callable[[Simulation], None] | None, stopped: list[int]
+) -> None:
+    simulation.place()
+    record.take_over(simulation)
+    writer = _Writer(simulation, record)
+    try:
+        _advance(simulation, writer, watch, stopped)
+    except TetherError:
+        record.write_series(simulation)  # what was measured before a failure; the last checkpoint stays as it is
+        raise
+    finally:
+        writer.trajectory.close()
+    record.write_checkpoint(simulation)
+    record.write_series(simulation)
+    if simulation.is_finished:
+        record.write_summary(simulation.result())
+
+
+def _advance(
+    simulation: Simulation,
+    writer: _Writer | None,
+    watch: Callable[[Simulation], None] | None,
+    stopped: list[int],
+) -> None:
+    """Advance to the end, or until a signal."""
+    chunk = 1
+    while not simulation.is_finished and not stopped:
+        most = chunk if writer is None else min(chunk, writer.steps_until_due())
+        step, began = simulation.step, time.perf_counter()
+        simulation.advance(most)
+        spent = time.perf_counter() - began
+        # From one measured step to the next: long enough to cost nothing, short enough to stop soon.
+        chunk = max(1, min(2 * chunk, round(_CHUNK_SECONDS * (simulation.step - step) / max(spent, 1e-9))))
+        if writer is not None:
+            writer.look()
+        if watch is not None:
+            watch(simulation)
 
 
 class _Writer:
@@ -260,32 +325,30 @@ class _Writer:
         self._checkpoints = simulation.configuration.output.checkpoint
         self._last_frame = self._last_checkpoint = time.monotonic()
         self._last_checkpoint_step = simulation.step
-        self._frame_step = simulation.step
+        self._last_series = -math.inf
         if len(self.trajectory) == 0:
             self.trajectory.append(simulation)
         if not record.checkpoint_path.exists():
             self._checkpoint()
 
-    def steps_to_frame(self) -> int:
-        """Steps until the next frame that is due by steps."""
+    def steps_until_due(self) -> int:
+        """Steps until the next frame or checkpoint of those that are due by steps; at least 1."""
         step = self.simulation.step
-        if self._frames.steps is None or step < self.simulation.measured_from:
-            return 1 << 62
-        return self._next_frame_step(step) - step
+        until = [1 << 62]
+        if self._frames.steps is not None and step >= self.simulation.measured_from:
+            until.append(self._next_frame_step(step) - step)
+        if self._checkpoints.steps is not None:
+            until.append(self._last_checkpoint_step + self._checkpoints.steps - step)
+        return max(1, min(until))
 
     def look(self) -> None:
         """Write what is due."""
         step = self.simulation.step
         if step > self.simulation.measured_from and self._frame_is_due(step):
             self.trajectory.append(self.simulation)
-            self._last_frame, self._frame_step = time.monotonic(), step
+            self._last_frame = time.monotonic()
         if _is_due(self._checkpoints, step - self._last_checkpoint_step, self._last_checkpoint):
             self._checkpoint()
-
-    def save_series(self) -> None:
-        """Keep what was measured before a failure; the last checkpoint stays as it is."""
-        if len(self.simulation.measured_samples()):
-            self.record._write_series(self.simulation.result())
 
     def _frame_is_due(self, step: int) -> bool:
         if self._frames.steps is None:
@@ -293,17 +356,19 @@ class _Writer:
         return step == self._next_frame_step(step - 1) or step == self.simulation.end
 
     def _next_frame_step(self, step: int) -> int:
-        """The first step after `step` that has a frame: a whole number of intervals, each of whole samples."""
+        """The first step after `step` that has a frame."""
         assert self._frames.steps is not None
-        sample = self.simulation.configuration.series_interval
-        interval = -(-self._frames.steps // sample) * sample
         begin = self.simulation.measured_from
-        return begin + ((step - begin) // interval + 1) * interval
+        return begin + ((step - begin) // self._frames.steps + 1) * self._frames.steps
 
     def _checkpoint(self) -> None:
         self.trajectory.flush()
         self.record.write_checkpoint(self.simulation)
-        self._last_checkpoint, self._last_checkpoint_step = time.monotonic(), self.simulation.step
+        now = time.monotonic()
+        if len(self.simulation.measured_samples()) and now - self._last_series >= _SERIES_SECONDS:
+            self.record.write_series(self.simulation)
+            self._last_series = now
+        self._last_checkpoint, self._last_checkpoint_step = now, self.simulation.step
 
 
 def _is_due(interval: Interval, steps: int, last: float) -> bool:
@@ -313,9 +378,21 @@ def _is_due(interval: Interval, steps: int, last: float) -> bool:
     return time.monotonic() - last >= interval.seconds
 
 
+def _unwritable(folder: Path, error: OSError) -> InputError:
+    return InputError(f"{folder} cannot be written", _reason(error), "choose another with --out")
+
+
+def _reason(error: OSError) -> str:
+    """Why the operating system refused, in its own short words (HDF5 puts a paragraph around them)."""
+    return (os.strerror(error.errno) if error.errno else str(error).splitlines()[0]).lower()
+
+
 @contextmanager
 def _stop_signals() -> Iterator[list[int]]:
-    """A list that gets the number of an SIGINT or SIGTERM; a second one interrupts at once."""
+    """A list that gets the number of an SIGINT or SIGTERM; a second one interrupts at once.
+
+    One that the process was started to ignore, as a shell does for background jobs of a script, stays ignored.
+    """
     received: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield received
@@ -326,7 +403,8 @@ def _stop_signals() -> Iterator[list[int]]:
             raise KeyboardInterrupt
         received.append(number)
 
-    former = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    heard = [number for number in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(number) != signal.SIG_IGN]
+    former = {number: signal.signal(number, note) for number in heard}
     try:
         yield received
     finally:

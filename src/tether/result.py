@@ -145,7 +145,7 @@ class Result:
         return found
 
     def as_dict(self) -> dict[str, Any]:
-        """What summary.json holds."""
+        """What summary.json holds; None for numbers that do not exist."""
         configuration = self.configuration
         quantities = {name: _entry(e) for name, e in self._estimates().items()}
         temperatures = {of: quantities.pop(f"temperature of {of.replace('_', ' ')}") for of in self.temperature}
@@ -164,15 +164,15 @@ class Result:
             "strain": self.strain,
             "temperature": temperatures,
             **quantities,
-            "momentum_drift": self.momentum_drift,
+            "momentum_drift": _finite(self.momentum_drift),
             "statistical_inefficiency": {
-                name: e.inefficiency * configuration.series_interval if e is not None else None
+                name: _finite(e.inefficiency * configuration.series_interval) if e is not None else None
                 for name, e in self._estimates().items()
             },
             "dimensionless": self.dimensionless.as_dict(),
             "warnings": self.warnings,
             "performance": {
-                "particle_steps_per_second": self.performance.particle_steps_per_second,
+                "particle_steps_per_second": _finite(self.performance.particle_steps_per_second),
                 "seconds": self.performance.seconds,
                 "threads": self.performance.threads,
             },
@@ -217,6 +217,10 @@ class Result:
             return float(energy[0] - 2 * s @ momentum + s @ tensor @ s) / self.freedom.body_rotation
 
         return estimate_function(temperature, columns)
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
 
 
 def _entry(estimate: Estimate | None) -> dict[str, float | None] | None:

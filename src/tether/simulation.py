@@ -16,7 +16,7 @@ from tether.bodies import Bodies
 from tether.box import Box
 from tether.config import Configuration, Output, Reference, Run, Start
 from tether.engines import cpu_engine, default_threads
-from tether.errors import RunError
+from tether.errors import InputError, RunError
 from tether.files.trajectory import read_frame
 from tether.flows import Couette, Rest
 from tether.fluid import Fluid
@@ -61,6 +61,9 @@ class Simulation:
         reference: Reference | None = None,
         threads: int | None = None,
     ) -> None:
+        start, output = start or Start(), output or Output()
+        if start.file is not None:  # a run's folder keeps the path, and is not where we are
+            start = start.changed(file=str(Path(start.file).absolute()))
         self._prepare(
             Configuration(
                 seed=seed,
@@ -68,13 +71,21 @@ class Simulation:
                 fluid=fluid,
                 bodies=tuple(bodies),
                 flow=flow or Rest(),
-                run=Run(timestep=timestep, steps=1, verlet_lambda=verlet_lambda),
-                start=start or Start(),
-                output=output or Output(),
+                # How long it runs, `run` says; until then, long enough for one sample.
+                run=Run(timestep=timestep, steps=output.series or 1, verlet_lambda=verlet_lambda),
+                start=start,
+                output=output,
                 reference=reference or Reference(),
             ),
             threads,
         )
+
+    _begin: int  # the step that the current run began at
+    _samples: list[Vectors]
+    _open: Vectors  # the sample that is not yet whole: what its steps so far add to it
+    _open_steps: int
+    _momentum: Vectors | None  # when measuring began
+    _seconds: float
 
     @classmethod
     def from_configuration(cls, configuration: Configuration, threads: int | None = None) -> Simulation:
@@ -84,15 +95,14 @@ class Simulation:
         return simulation
 
     def _prepare(self, configuration: Configuration, threads: int | None) -> None:
+        if threads is not None and threads < 1:
+            raise InputError(f"threads = {threads} must be at least 1", "a run needs one", "leave it out to choose")
         self.configuration = configuration
         particles = configuration.solvent_count + configuration.constituent_count
         self.threads = threads or default_threads(particles)
         self.engine = cpu_engine(configuration, self.threads)
-        self._begin = 0  # the step that the current run began at
-        self._samples: list[Vectors] = []
-        self._momentum: Vectors | None = None
-        self._seconds = 0.0
         self._is_placed = False
+        self._measure_anew()
 
     # --- what is there ---
 
@@ -143,6 +153,7 @@ class Simulation:
     @property
     def state_sha256(self) -> str:
         """SHA-256 of positions, velocities, forces, bases, the box's offset and the step."""
+        self.place()
         digest = hashlib.sha256()
         for array in (self.engine.position, self.engine.velocity, self.engine.force, self.engine.bases):
             digest.update(np.ascontiguousarray(array).tobytes())
@@ -171,10 +182,7 @@ class Simulation:
 
         run = self.configuration.run.changed(equilibration=equilibration, steps=steps, strain=strain)
         self.configuration = self.configuration.changed(run=run)
-        self._begin = self.step
-        self._samples = []
-        self._momentum = None
-        self._seconds = 0.0
+        self._measure_anew()
         drive(self, record_of(self.configuration, out, force) if out is not None else None)
         return self.result()
 
@@ -219,25 +227,20 @@ class Simulation:
         return self.step >= self.end
 
     def advance(self, most_steps: int) -> None:
-        """Go on by about `most_steps`, not beyond the end of equilibration or of the run.
+        """Go on by `most_steps`, not beyond the end of equilibration or of the run.
 
-        While measuring, a whole number of samples is taken. Raises RunError when a particle runs away.
+        In whatever portions a run is advanced, it is the same in all bits. Raises RunError when a particle runs away.
         """
         self.place()
         began = time.perf_counter()
-        left = (self.measured_from if self.step < self.measured_from else self.end) - self.step
-        interval = self.configuration.series_interval
         if self.step < self.measured_from:
-            self.engine.run(min(most_steps, left))
-        elif left < interval:
-            self.engine.run(left)  # too few for a sample
+            self.engine.run(min(most_steps, self.measured_from - self.step))
         else:
             if self._momentum is None:
                 self._momentum = self._peculiar_momentum()
-            steps = min(max(most_steps // interval, 1), left // interval) * interval
-            samples = self.engine.run(steps, interval)
+            measured = self.engine.run(min(most_steps, self.end - self.step), 1)
             if self.engine.fault is None:
-                self._samples.append(samples)
+                self._sample(measured)
         self._seconds += time.perf_counter() - began
         if self.engine.fault is not None:
             raise self._runaway(*self.engine.fault)
@@ -245,9 +248,9 @@ class Simulation:
     def result(self) -> Result:
         """The means so far. Raises RunError when nothing has been measured."""
         if not self._samples:
-            raise RunError("nothing has been measured yet", "the run is still equilibrating", "run longer")
+            raise RunError("nothing has been measured yet", "no sample is complete", "run longer")
         configuration = self.configuration
-        samples = np.concatenate(self._samples)
+        samples = self.measured_samples()
         interval = configuration.series_interval
         freedom = measurement.Freedom.of(configuration, self.engine.rotational_freedom)
         assert self._momentum is not None
@@ -269,8 +272,9 @@ class Simulation:
 
     def measured_samples(self) -> Vectors:
         """What has been sampled so far, in the engine's columns; shape (n, values)."""
-        width = sum(count for _, count in type(self.engine).columns)
-        return np.concatenate(self._samples) if self._samples else np.empty((0, width))
+        if len(self._samples) > 1:
+            self._samples = [np.concatenate(self._samples)]
+        return self._samples[0] if self._samples else np.empty((0, len(self._open)))
 
     def kinetic_temperature(self) -> float:
         """Kinetic temperature of all particles at this moment."""
@@ -294,9 +298,10 @@ class Simulation:
                 "force": engine.force,
                 "bases": engine.bases,
                 "samples": self.measured_samples(),
+                "open": self._open,
                 "momentum": self._momentum if self._momentum is not None else np.empty(0),
             },
-            numbers={"step": engine.step, "begin": self._begin},
+            numbers={"step": engine.step, "begin": self._begin, "open_steps": self._open_steps},
             offset=engine.offset,
             seconds=self._seconds,
         )
@@ -310,9 +315,28 @@ class Simulation:
         engine.step = checkpoint.numbers["step"]
         self._begin = checkpoint.numbers["begin"]
         self._samples = [arrays["samples"]] if len(arrays["samples"]) else []
+        self._open, self._open_steps = arrays["open"], checkpoint.numbers["open_steps"]
         self._momentum = arrays["momentum"] if len(arrays["momentum"]) else None
         self._seconds = checkpoint.seconds
         self._is_placed = True
+
+    def _measure_anew(self) -> None:
+        self._begin = self.step
+        self._samples = []
+        self._open = np.zeros(sum(count for _, count in type(self.engine).columns))
+        self._open_steps = 0
+        self._momentum = None
+        self._seconds = 0.0
+
+    def _sample(self, measured: Vectors) -> None:
+        """Take the measured steps into samples, step by step in their order: sums do not depend on the portions."""
+        interval = self.configuration.series_interval
+        for part in np.split(measured / interval, np.arange(interval - self._open_steps, len(measured), interval)):
+            self._open = np.add.accumulate(np.vstack([self._open, part]))[-1]
+            self._open_steps += len(part)
+            if self._open_steps == interval:
+                self._samples.append(self._open[None])
+                self._open, self._open_steps = np.zeros_like(self._open), 0
 
     def _peculiar_momentum(self) -> Vectors:
         v = self.engine.velocity

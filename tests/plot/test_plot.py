@@ -69,9 +69,7 @@ def test_series_under_shear(tmp_path):
 
 
 def test_short_series_at_rest(tmp_path):
-    text = check_pictures(
-        plot_series(made_up_series(20, 3, 0.0), tmp_path / "rest", "rest"), tmp_path / "rest"
-    )
+    text = check_pictures(plot_series(made_up_series(20, 3, 0.0), tmp_path / "rest", "rest"), tmp_path / "rest")
     assert "pressure" in text
     assert "33(tooshortforanerror)" in text
     assert "viscosity" not in text

@@ -15,9 +15,7 @@ from scipy.signal import lfilter
 from tether.estimate import Estimate, block_levels, drifts, estimate, estimate_function
 
 
-def autoregressive(
-    samples: int, memory: float, generator: np.random.Generator, repeats: int = 1
-) -> np.ndarray:
+def autoregressive(samples: int, memory: float, generator: np.random.Generator, repeats: int = 1) -> np.ndarray:
     """AR(1) series of unit variance and mean 0 with rho(t) = exp(-t / memory); shape (repeats, samples)."""
     correlation = math.exp(-1.0 / memory)
     noise = generator.standard_normal((repeats, samples)) * math.sqrt(1.0 - correlation**2)
@@ -215,8 +213,7 @@ class TestFunctionsOfMeans:
         """<x^2> - <x>^2 of AR(1): true value 1, 68 and 95 % of 300 within one and two errors, +- 4 sigma."""
         all_series = 2.0 + autoregressive(4096, 4.0, np.random.default_rng(12), repeats=300)
         results = [
-            estimate_function(lambda m: m[1] - m[0] ** 2, np.column_stack([series, series**2]))
-            for series in all_series
+            estimate_function(lambda m: m[1] - m[0] ** 2, np.column_stack([series, series**2])) for series in all_series
         ]
         distance = np.array([abs(result.value - 1.0) / result.error for result in results])
         assert 0.57 < np.mean(distance < 1.0) < 0.79

@@ -39,9 +39,7 @@ def test_peclet_of_the_captions(dimension, temperature, rate, printed):
     assert result.peclet == pytest.approx(printed, rel=0.04)
 
 
-@pytest.mark.parametrize(
-    ("dimension", "temperature", "printed"), [(2, 1.0, 1.02), (3, 1.0, 2.91), (3, 0.5, 1.78)]
-)
+@pytest.mark.parametrize(("dimension", "temperature", "printed"), [(2, 1.0, 1.02), (3, 1.0, 2.91), (3, 0.5, 1.78)])
 def test_reynolds_of_section_4_6_is_half_of_the_particles(dimension, temperature, printed):
     """The ranges' upper ends, at rate 10: they are not rho v L/eta with L the channel's width."""
     result = dimensionless(configuration(dimension, temperature, 10.0))
@@ -49,9 +47,7 @@ def test_reynolds_of_section_4_6_is_half_of_the_particles(dimension, temperature
     assert result.reynolds / result.particle_reynolds == pytest.approx(12.0 / result.radius.value)
 
 
-@pytest.mark.parametrize(
-    ("dimension", "temperature", "printed"), [(2, 1.0, 0.87), (2, 0.5, 0.98), (3, 0.5, 1.58)]
-)
+@pytest.mark.parametrize(("dimension", "temperature", "printed"), [(2, 1.0, 0.87), (2, 0.5, 0.98), (3, 0.5, 1.58)])
 def test_mach_of_section_4_6(dimension, temperature, printed):
     """Upper ends of the ranges, at rate 10. (3D, kT = 1 has 1.35: a sound faster than in the others.)"""
     assert dimensionless(configuration(dimension, temperature, 10.0)).mach == pytest.approx(printed, rel=0.03)
@@ -72,9 +68,7 @@ def test_other_fluids_are_estimated_and_say_so():
     fluid = Fluid(density=3.0, repulsion=25.0, friction=4.5, temperature=1.0, exponent=2.0)
     result = dimensionless(configuration(fluid=fluid))
     assert result.radius.value == pytest.approx((3.0 * 8.0 / 3.0 / (4.0 * math.pi)) ** (1.0 / 3.0))
-    assert result.viscosity.value == pytest.approx(
-        45.0 / (4.0 * math.pi * 4.5) + 2.0 * math.pi * 4.5 * 9.0 / 1575.0
-    )
+    assert result.viscosity.value == pytest.approx(45.0 / (4.0 * math.pi * 4.5) + 2.0 * math.pi * 4.5 * 9.0 / 1575.0)
     assert result.diffusivity.value == pytest.approx(
         1.0 / (6.0 * math.pi * result.viscosity.value * result.radius.value)
     )

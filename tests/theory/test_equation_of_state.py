@@ -36,17 +36,13 @@ def test_coefficient_against_the_mean_field_virial(dimension, surface):
 def test_sound_speed_is_the_slope_of_the_pressure(dimension):
     fluid = {"temperature": 0.7, "repulsion": 20.0, "dimension": dimension, "cutoff": 1.1}
     step = 1e-5
-    slope = (eos.pressure(density=4.0 + step, **fluid) - eos.pressure(density=4.0 - step, **fluid)) / (
-        2 * step
-    )
+    slope = (eos.pressure(density=4.0 + step, **fluid) - eos.pressure(density=4.0 - step, **fluid)) / (2 * step)
     assert eos.sound_speed(density=4.0, mass=1.8, **fluid) == pytest.approx(math.sqrt(slope / 1.8), rel=1e-8)
 
 
 def test_sound_speed_from_pressure():
     """An ideal gas has c^2 = kT/m; the paper's fluid by its measured pressure c^2 = 1 + 2 (32.68 - 4)/4."""
-    assert eos.sound_speed_from_pressure(
-        pressure=8.0, density=4.0, temperature=2.0, mass=0.5
-    ) == pytest.approx(2.0)
+    assert eos.sound_speed_from_pressure(pressure=8.0, density=4.0, temperature=2.0, mass=0.5) == pytest.approx(2.0)
     assert eos.sound_speed_from_pressure(pressure=32.68, density=4.0, temperature=1.0) == pytest.approx(
         math.sqrt(15.34)
     )

@@ -60,9 +60,7 @@ def test_groot_and_warren():
     diffusivity = 45.0 * temperature / (2.0 * math.pi * friction * density)
     kinematic = 0.5 * diffusivity + 2.0 * math.pi * friction * density / 1575.0
     assert kinetic.diffusivity(dimension=3, exponent=2.0, **fluid) == pytest.approx(diffusivity, rel=1e-12)
-    assert kinetic.viscosity(dimension=3, exponent=2.0, **fluid) == pytest.approx(
-        density * kinematic, rel=1e-12
-    )
+    assert kinetic.viscosity(dimension=3, exponent=2.0, **fluid) == pytest.approx(density * kinematic, rel=1e-12)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -71,9 +69,7 @@ def test_groot_and_warren():
 def test_weight_integral_against_quadrature(dimension, exponent, power):
     cutoff = 1.4
     surface = 2.0 * math.pi if dimension == 2 else 4.0 * math.pi
-    expected, _ = quad(
-        lambda r: surface * r ** (dimension - 1 + power) * (1.0 - r / cutoff) ** exponent, 0.0, cutoff
-    )
+    expected, _ = quad(lambda r: surface * r ** (dimension - 1 + power) * (1.0 - r / cutoff) ** exponent, 0.0, cutoff)
     result = kinetic.weight_integral(dimension=dimension, exponent=exponent, cutoff=cutoff, power=power)
     assert result == pytest.approx(expected, rel=1e-7)
 

@@ -103,9 +103,7 @@ def test_krieger_dougherty_values():
 def test_quemada_is_krieger_dougherty_with_power_two():
     packing = 0.8  # [eta] phi_m = 2 in 3D
     phi = np.linspace(0.0, 0.75, 20)
-    np.testing.assert_allclose(
-        suspension.quemada(phi, packing), suspension.krieger_dougherty(phi, 3, packing)
-    )
+    np.testing.assert_allclose(suspension.quemada(phi, packing), suspension.krieger_dougherty(phi, 3, packing))
 
 
 def test_jammed():

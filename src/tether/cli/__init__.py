@@ -6,7 +6,6 @@ import sys
 
 from tether.cli.app import app
 from tether.errors import TetherError
-from tether.record import Stopped
 
 
 def main() -> None:
@@ -16,9 +15,6 @@ def main() -> None:
     except TetherError as error:
         _say(f"error: {error}")
         sys.exit(error.exit_code)
-    except Stopped as stop:
-        _say(str(stop))
-        sys.exit(128 + stop.signal_number)
     except BrokenPipeError:
         sys.exit(141)  # the reader of our output has gone, as after `| head`
     except OSError as error:

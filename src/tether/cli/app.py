@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -12,14 +15,13 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from tether import plot as pictures
 from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
 from tether.cli.table import table
 from tether.config import Configuration, Source, json_schema, template
 from tether.errors import InputError, TetherError
 from tether.files.trajectory import velocity_profile
-from tether.record import Record, drive
+from tether.record import Record, Stopped, drive
 from tether.record import resume as resumed
 from tether.simulation import Simulation
 from tether.version import __version__
@@ -93,15 +95,19 @@ def run(
             "it divides the viscosity by that of the same fluid without bodies",
             "run without --relative",
         )
-    try:
-        simulation = Simulation.from_configuration(configuration, threads)
-        simulation.place()  # before the folder: bodies that find no room leave none behind
-        record = Record.create(out or Path(config.stem), configuration, force)
-        _finish(simulation, record, quiet)
-    except TetherError as error:
-        raise source.located(error) from None
-    if relative:
-        relative_viscosity(simulation.result(), record, threads, quiet)
+    folder = out or Path(config.stem)
+    with _stoppable():
+        try:
+            Record(folder).check_free(force)
+            simulation = Simulation.from_configuration(configuration, threads)
+            with _interrupted_at_once():
+                simulation.place()  # before the folder: bodies that find no room leave none behind
+            record = Record.create(folder, configuration, force)
+            _finish(simulation, record, quiet)
+        except TetherError as error:
+            raise source.located(error) from None
+        if relative:
+            relative_viscosity(simulation.result(), record, threads, quiet)
 
 
 @app.command()
@@ -117,13 +123,14 @@ def resume(
     simulation, record, remarks = resumed(folder, threads, steps or 0)
     if not quiet:
         for remark in remarks:
-            Console(stderr=True).print(f"note: {remark}", highlight=False, soft_wrap=True)
+            Console(stderr=True).print(f"note: {remark}", highlight=False, markup=False, soft_wrap=True)
     if simulation.is_finished and record.summary_path.is_file():
         if not quiet:
             _print_summary(record)
             print(f"The run in {folder} has ended; --steps N makes it longer.")
         return
-    _finish(simulation, record, quiet)
+    with _stoppable():
+        _finish(simulation, record, quiet)
 
 
 @app.command()
@@ -142,9 +149,15 @@ def show(
 @app.command()
 def plot(folder: Folder) -> None:
     """Draw stress and temperature over time, and the velocity profile, as PNG and SVG."""
+    from tether import plot as pictures  # matplotlib takes longer to import than everything else
+
     record = Record.open(folder)
     configuration = record.configuration()
     series = record.series()
+    if series.sizes["time"] < 2:
+        raise InputError(
+            f"{folder} has a series of one sample", "nothing can be drawn over time", "make it longer by tether resume"
+        )
     drawn = pictures.plot_series(
         series, folder / "series", _title(configuration), temperature=configuration.fluid.temperature
     )
@@ -163,17 +176,63 @@ def plot(folder: Folder) -> None:
 
 @app.command()
 def init(
+    path: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]", help="Where to write; FLOW.toml if not given, - to print.", show_default=False
+        ),
+    ] = None,
     flow: Annotated[FlowKind, typer.Option(help="The flow.")] = FlowKind.couette,
     dimension: Annotated[int, typer.Option(min=2, max=3, help="Two or three dimensions.")] = 3,
 ) -> None:
-    """Print a commented configuration to start from: tether init > my.toml."""
-    print(template(flow.value, 2 if dimension == 2 else 3), end="")
+    """Write a commented configuration to start from."""
+    text = template(flow.value, 2 if dimension == 2 else 3)
+    if path == Path("-"):
+        print(text, end="")
+        return
+    path = path or Path(f"{flow.value}.toml")
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(f"{path} exists", "it would be overwritten", "name another file") from None
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"{path} cannot be written", reason, "name another file") from None
+    print(f"Wrote {path}; run it with: tether run {path}")
 
 
 @app.command()
 def schema() -> None:
     """Print the JSON schema of configurations, with which editors complete and check them."""
     print(json.dumps(json_schema(), indent=2))
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """End a command that is stopped by a signal with a word on it, and 128 + the signal."""
+    try:
+        yield
+    except Stopped as stop:
+        print(stop, file=sys.stderr)
+        raise typer.Exit(128 + stop.signal_number) from None
+    except KeyboardInterrupt:
+        print("stopped at once; what came after the last checkpoint is lost", file=sys.stderr)
+        raise typer.Exit(128 + signal.SIGINT) from None
+
+
+@contextmanager
+def _interrupted_at_once() -> Iterator[None]:
+    """Let Ctrl-C end the process inside the engine, which does not look at signals, while there is nothing to keep."""
+    former = signal.getsignal(signal.SIGINT)
+    if former == signal.SIG_IGN:
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, former)
 
 
 def _finish(simulation: Simulation, record: Record, quiet: bool) -> None:
@@ -187,9 +246,14 @@ def _finish(simulation: Simulation, record: Record, quiet: bool) -> None:
 def _print_summary(record: Record) -> None:
     summary = record.summary()
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 100)
-    console.print(table(summary))
-    for warning in summary["warnings"]:
-        console.print(f"warning: {warning}", soft_wrap=True)
+    try:
+        console.print(table(summary))
+        for warning in summary["warnings"]:
+            console.print(f"warning: {warning}", markup=False, soft_wrap=True)
+    except (KeyError, TypeError, ValueError):
+        raise InputError(
+            f"{record.summary_path} is damaged", "it lacks what a summary has", "run the configuration again"
+        ) from None
 
 
 def _title(configuration: Configuration) -> str:

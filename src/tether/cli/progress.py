@@ -46,14 +46,14 @@ def progress(simulation: Simulation, quiet: bool) -> Iterator[Callable[[Simulati
             )
             if now - shown[0] >= _SECONDS_BETWEEN_MEANS:
                 speed = particles * (running.step - shown[2]) / (now - shown[1]) / 1e6
-                bar.update(task, rate=f"{speed:.2f} M particle-steps/s", means=_means(running, measuring))
+                bar.update(task, rate=f"{speed:.2f} M particle-steps/s", means=_means(running))
                 shown[:] = [now, now, float(running.step)]
 
         yield watch
 
 
-def _means(simulation: Simulation, measuring: bool) -> str:
-    if not measuring:
+def _means(simulation: Simulation) -> str:
+    if not len(simulation.measured_samples()):
         return f"  kT {simulation.kinetic_temperature():.3f}"
     result = simulation.result()
     viscosity = f"  eta {result.viscosity}" if result.viscosity is not None else f"  p {result.pressure}"

@@ -13,7 +13,6 @@ from tether.config import Configuration
 from tether.errors import InputError
 from tether.estimate import Estimate
 from tether.files.whole import whole
-from tether.plot import plot_relative
 from tether.record import Record, drive, resume
 from tether.result import Result
 from tether.simulation import Simulation
@@ -22,6 +21,8 @@ from tether.theory.suspension import MAXIMUM_PACKING, einstein, krieger_doughert
 
 def relative_viscosity(result: Result, record: Record, threads: int | None, quiet: bool) -> None:
     """Print the relative viscosity beside theory, draw it, and write relative.json into the record."""
+    from tether.plot import plot_relative  # matplotlib takes longer to import than a small run to start
+
     configuration = result.configuration
     plain = _plain_fluid(configuration, record.folder / "plain_fluid", threads, quiet)
     assert result.viscosity is not None
@@ -45,7 +46,7 @@ def relative_viscosity(result: Result, record: Record, threads: int | None, quie
     pictures = plot_relative(phi, total, dimension, record.folder / "relative", pairwise)
     if quiet:
         return
-    console = Console(highlight=False, soft_wrap=True)
+    console = Console(highlight=False, markup=False, soft_wrap=True)
     console.print(f"Relative viscosity at phi = {phi:.4f}, shear rate {configuration.flow.shear_rate:g}:")
     console.print(f"  eta_r = {total}   (total stress; the plain fluid's viscosity is {plain})")
     console.print(f"  eta_r = {pairwise}   (pairwise stress, the figure that the paper plots)")
@@ -57,8 +58,9 @@ def relative_viscosity(result: Result, record: Record, threads: int | None, quie
 def _plain_fluid(configuration: Configuration, folder: Path, threads: int | None, quiet: bool) -> Estimate:
     """The viscosity of the same run without bodies: from the folder if it has been run, else run now."""
     plain = configuration.plain_fluid()
-    if _is_of(folder, plain):
-        simulation, record, _ = resume(folder, threads)
+    kept = _kept(folder, plain, threads)
+    if kept is not None:
+        simulation, record = kept
     else:
         simulation = Simulation.from_configuration(plain, threads)
         record = Record.create(folder, plain, force=True)
@@ -70,9 +72,12 @@ def _plain_fluid(configuration: Configuration, folder: Path, threads: int | None
     return viscosity
 
 
-def _is_of(folder: Path, configuration: Configuration) -> bool:
+def _kept(folder: Path, configuration: Configuration, threads: int | None) -> tuple[Simulation, Record] | None:
+    """The run of this configuration in the folder, if there is one that can go on."""
     try:
-        record = Record.open(folder)
-        return record.configuration() == configuration.resolved() and record.checkpoint_path.exists()
+        if Record.open(folder).configuration().to_toml() != configuration.to_toml():
+            return None
+        simulation, record, _ = resume(folder, threads)
     except InputError:
-        return False
+        return None
+    return simulation, record

@@ -30,11 +30,13 @@ def table(summary: dict[str, Any]) -> Table:
     for name in ("peclet", "reynolds", "mach"):
         if numbers[name] is not None:
             rows.add_row(f"{name.capitalize()} number", f"{numbers[name]:.3g}", "", _of(name, numbers))
-    rows.add_row("momentum drift", f"{summary['momentum_drift']:.1e}", "", "per particle")
+    if summary["momentum_drift"] is not None:
+        rows.add_row("momentum drift", f"{summary['momentum_drift']:.1e}", "", "per particle")
     performance = summary["performance"]
     threads = f"{performance['threads']} thread{'s' if performance['threads'] > 1 else ''}"
-    speed = performance["particle_steps_per_second"] / 1e6
-    rows.add_row("speed", f"{speed:.2f}", "", f"million particle-steps/s on {threads}")
+    if performance["particle_steps_per_second"] is not None:
+        speed = performance["particle_steps_per_second"] / 1e6
+        rows.add_row("speed", f"{speed:.2f}", "", f"million particle-steps/s on {threads}")
     rows.add_row("state", summary["state_sha256"][:12], "", "SHA-256 of the final state, beginning")
     return rows
 

@@ -17,12 +17,13 @@ from tether.fluid import Fluid
 from tether.model import fault
 
 MOST_PARTICLES = 10**9
+MOST_KINDS = 255
 
 
 def sides(box: Box, fluid: Fluid) -> None:
     """Three cells of one cutoff fit along each side, so that a particle meets no two images of another."""
     least = 3 * fluid.cutoff
-    if not min(box.size) >= least:
+    if not min(box.size) >= least * (1 - 1e-12):  # a side written as 3 cutoffs may round below them
         problem = f"= {toml.value(box.size)} has a side of {min(box.size):g}, shorter than 3 cutoffs"
         why = "a particle would meet another one and its periodic image"
         raise fault(("box", "size"), problem, why, f"give every side at least {least:g}, or a smaller fluid.cutoff")
@@ -34,13 +35,14 @@ def shapes(box: Box, fluid: Fluid, bodies: Sequence[Bodies]) -> None:
         shape = each.geometry
         if shape.dimension != box.dimension:
             raise _wrong_dimension(number, each, box.dimension)
-        reach = 2 * shape.radius + fluid.cutoff
-        if not reach < min(box.size) / 2:
+        # A constituent is found as the image nearest to another one of its body; springs stretch by some hundredths.
+        reach = max(4.4 * shape.radius, 2 * shape.radius + fluid.cutoff)
+        if not reach < min(box.size):
             key = ("bodies", number, "points" if each.shape == "points" else "spacing")
             side = min(box.size)
             problem = f"makes a body of diameter {2 * shape.radius:.3g}, too large for a side of {side:g}"
-            why = "diameter and cutoff together must be less than half of it, or bodies would meet their images"
-            remedy = f"give a smaller body, or sides of box.size over {2 * reach:.4g}"
+            why = "a body has to be smaller than half the box, and must not meet its own image"
+            remedy = f"give a smaller body, or sides of box.size over {reach:.4g}"
             raise fault(key, problem, why, remedy)
 
 
@@ -101,9 +103,13 @@ def numbers(solvent: int, bodies: Sequence[Bodies], counts: Sequence[int]) -> No
             why = f"there are {solvent} solvent particles, and numbers of bodies are whole"
             raise fault(key, problem, why, "give a larger one, a larger box, or count = 1")
     particles = solvent + sum(count * each.geometry.sites.shape[0] for each, count in zip(bodies, counts, strict=True))
-    if particles == 0:
-        problem = "makes no particle in this box"
-        raise fault(("fluid", "density"), problem, "solvent = density * volume", "give a larger density or box.size")
+    if particles < 2:
+        problem = f"makes {particles or 'no'} particle in this box"
+        why = "solvent = density * volume, and a fluid has at least two particles"
+        raise fault(("fluid", "density"), problem, why, "give a larger density or box.size")
+    if len(bodies) > MOST_KINDS:
+        problem = f"has {len(bodies)} tables"
+        raise fault(("bodies",), problem, f"a run has at most {MOST_KINDS} kinds of bodies", "put like bodies together")
     if particles > MOST_PARTICLES:
         culprit = ("box", "size") if solvent > MOST_PARTICLES else ("bodies",)
         problem = f"asks for {particles:.3g} particles" if particles < 1e18 else "asks for over 1e18 particles"

@@ -11,7 +11,7 @@ class Reference(Model):
     """What the Peclet, Reynolds and Mach numbers use instead of tether's own values or estimates."""
 
     radius: float | None = Field(
-        default=None, gt=0, examples=[0.63], description="Effective radius of a body, in units of length."
+        default=None, gt=0, examples=[0.605], description="Effective radius of a body, in units of length."
     )
     diffusivity: float | None = Field(
         default=None,

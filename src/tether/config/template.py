@@ -55,7 +55,7 @@ $length
 # fields = ["velocity"]          # of a frame, besides position and species; also "mass", "body"
 
 # [reference]                    # what you know, for the Peclet, Reynolds and Mach numbers
-# radius = 0.63
+# radius = 0.605
 # diffusivity = 0.03
 # viscosity = 2.5
 # sound_speed = 5.4
@@ -68,7 +68,7 @@ _DIMENSIONS = {
         "shape": "square",
         "shapes": '                 # or "triangle", "polygon" with sides = n, "points" with points = [...]',
         "count": "100",
-        "timestep": "0.01 ",
+        "timestep": "0.01",
         "equilibration": "2000 ",
     },
     3: {

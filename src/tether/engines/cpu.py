@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -25,8 +26,19 @@ def default_threads(particles: int) -> int:
 
 
 def instruction_set() -> str:
-    """What the engine was compiled for; equal bits are promised on one instruction set."""
-    return f"{platform.machine()} baseline"
+    """What equal bits are promised on: what the engine was compiled for, and the C library's mathematics.
+
+    pow, log, cos and sin (exponents other than 1/2 and 2, Gaussian noise, turning Newton-Euler bases) are the C
+    library's, which chooses among its versions of them by whether the processor has fused multiply-add.
+    """
+    return f"{platform.machine()} baseline, {' '.join(platform.libc_ver())}{', fma' if _has_fma() else ''}"
+
+
+def _has_fma() -> bool:
+    try:
+        return " fma " in Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return False
 
 
 def principal_sites(shape: Shape) -> NDArray[np.float64]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -17,8 +19,9 @@ from tether.errors import InputError
 from tether.files.whole import whole
 from tether.version import __version__
 
-_FORMAT = "tether checkpoint"
-_FORMAT_VERSION = 1
+_MARK = b"tether checkpoint, HDF5 from byte 512, sha256 of that: "
+_USER_BLOCK = 512  # HDF5's smallest
+_FORMAT_VERSION = 2
 _REMEDY = "resume from another checkpoint, or run the configuration again"
 
 
@@ -28,9 +31,10 @@ class Checkpoint:
 
     configuration: Configuration
     arrays: dict[str, NDArray[np.float64]]
-    """position, velocity, force (n, d), bases, samples measured so far, momentum when measuring began."""
+    """position, velocity, force (n, d), bases, samples measured so far and the begun one, momentum when measuring
+    began."""
     numbers: dict[str, int]
-    """step and the step that the run began at."""
+    """step, the step that the run began at, and how many steps of the next sample have been measured."""
     offset: float
     """Offset of the sheared box, length."""
     seconds: float
@@ -38,20 +42,26 @@ class Checkpoint:
     instruction_set: str = ""
 
     def write(self, path: Path) -> None:
-        """Write to `path`, which holds either the former checkpoint or this one at any moment."""
-        with whole(path) as temporary, h5py.File(temporary, "w") as file:
-            file.attrs["format"] = _FORMAT
-            file.attrs["format_version"] = _FORMAT_VERSION
-            file.attrs["version"] = __version__
-            file.attrs["instruction_set"] = instruction_set()
-            file.attrs["configuration"] = self.configuration.to_toml()
-            file.attrs["offset"] = self.offset
-            file.attrs["seconds"] = self.seconds
-            file.attrs["sha256"] = self._sha256()
-            for name, number in self.numbers.items():
-                file.attrs[name] = number
+        """Write to `path`, which holds either the former checkpoint or this one at any moment. Raises OSError."""
+        attributes = {
+            "format_version": _FORMAT_VERSION,
+            "version": __version__,
+            "instruction_set": instruction_set(),
+            "configuration": self.configuration.to_toml(),
+            "offset": self.offset,
+            "seconds": self.seconds,
+            **self.numbers,
+        }
+        # Made in memory: when HDF5 itself runs into a full disk, it cannot even close its file.
+        made = io.BytesIO()
+        with h5py.File(made, "w", userblock_size=_USER_BLOCK) as file:
+            file.attrs.update(attributes)
             for name, array in self.arrays.items():
                 file.create_dataset(name, data=array)
+        contents = made.getbuffer()[_USER_BLOCK:]
+        with whole(path) as temporary, temporary.open("wb") as plain:
+            plain.write(_seal(contents))
+            plain.write(contents)
 
     @classmethod
     def read(cls, path: Path) -> Checkpoint:
@@ -60,40 +70,36 @@ class Checkpoint:
             raise InputError(
                 f"{path} does not exist", "a run is resumed from its checkpoint", "name the folder of a run"
             )
-        try:
-            with h5py.File(path) as file:
-                checkpoint = cls._of(file, path)
-                expected = file.attrs["sha256"]
-        except (OSError, KeyError, RuntimeError, ValueError) as error:
-            raise InputError(f"{path} is damaged or no HDF5 file", str(error).splitlines()[0], _REMEDY) from None
-        if checkpoint._sha256() != expected:
-            raise InputError(f"{path} is damaged", "its contents do not match their checksum", _REMEDY)
-        return checkpoint
-
-    @classmethod
-    def _of(cls, file: h5py.File, path: Path) -> Checkpoint:
-        if file.attrs.get("format") != _FORMAT:
-            raise InputError(f"{path} is no checkpoint of tether", "it lacks the mark of one", _REMEDY)
-        if file.attrs["format_version"] != _FORMAT_VERSION or file.attrs["version"] != __version__:
+        bits = path.read_bytes()
+        # Checked before HDF5 sees it, which may crash on a damaged file.
+        if bits[:_USER_BLOCK] != _seal(memoryview(bits)[_USER_BLOCK:]):
+            problem = "is damaged" if bits.startswith(_MARK) else "is damaged or no checkpoint of tether"
+            raise InputError(f"{path} {problem}", "its contents do not match their checksum", _REMEDY)
+        with h5py.File(io.BytesIO(bits)) as file:
+            attributes = {name: _plain(value) for name, value in file.attrs.items()}
+            arrays = {name: file[name][()] for name in file}
+        version = attributes["version"]
+        if version != __version__ or attributes["format_version"] != _FORMAT_VERSION:
             raise InputError(
-                f"{path} was written by tether {file.attrs['version']}",
-                f"this is {__version__}, which may not continue it in the same bits",
-                f"resume with tether {file.attrs['version']}, or run the configuration again",
+                f"{path} was written by tether {version}, in format {attributes['format_version']}",
+                f"this is {__version__}, which writes format {_FORMAT_VERSION} and may not go on in the same bits",
+                f"resume with tether {version}, or run the configuration again",
             )
         return cls(
-            configuration=Configuration(**tomllib.loads(str(file.attrs["configuration"]))),
-            arrays={name: file[name][()] for name in file},
-            numbers={name: int(file.attrs[name]) for name in ("step", "begin")},
-            offset=float(file.attrs["offset"]),
-            seconds=float(file.attrs["seconds"]),
-            instruction_set=str(file.attrs["instruction_set"]),
+            configuration=Configuration(**tomllib.loads(attributes["configuration"])),
+            arrays=arrays,
+            numbers={name: attributes[name] for name in ("step", "begin", "open_steps")},
+            offset=attributes["offset"],
+            seconds=attributes["seconds"],
+            instruction_set=attributes["instruction_set"],
         )
 
-    def _sha256(self) -> str:
-        digest = hashlib.sha256()
-        for name in sorted(self.arrays):
-            array = np.ascontiguousarray(self.arrays[name])
-            digest.update(f"{name}{array.shape}".encode())
-            digest.update(array.tobytes())
-        digest.update(repr((sorted(self.numbers.items()), self.offset)).encode())
-        return digest.hexdigest()
+
+def _seal(contents: memoryview) -> bytes:
+    """What stands before the HDF5 file proper, in its user block: the checksum of all that follows."""
+    return (_MARK + hashlib.sha256(contents).hexdigest().encode() + b"\n").ljust(_USER_BLOCK, b"\0")
+
+
+def _plain(value: Any) -> Any:
+    """A number of HDF5 as Python's, so that it is written alike."""
+    return value.item() if isinstance(value, np.generic) else value

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,11 +13,16 @@ from numpy.typing import NDArray
 
 from tether.config import Configuration
 from tether.errors import InputError
+from tether.estimate import estimate
+from tether.files.whole import whole
 
 if TYPE_CHECKING:
     from tether.simulation import Simulation
 
 Vectors = NDArray[np.float64]
+
+_UNREADABLE = (OSError, RuntimeError, ValueError, KeyError, TypeError)
+"""What the gsd package raises for a damaged or foreign file."""
 
 
 class Trajectory:
@@ -48,24 +51,39 @@ class Trajectory:
 def cut(path: Path, last_step: int) -> None:
     """Drop frames after `last_step`: what a killed run wrote after the checkpoint that it is resumed from.
 
-    A file that cannot be read is set aside under the name of `path` with ".damaged" added.
+    A file that cannot be read is set aside.
     """
     if not path.exists():
         return
     try:
         with gsd.hoomd.open(str(path)) as frames:
-            steps = [int(frame.configuration.step or 0) for frame in frames]
-            keep = sum(step <= last_step for step in steps)
-            if keep == len(steps):
-                return
-            temporary = path.with_name(f".{path.name}")
-            with gsd.hoomd.open(str(temporary), "w") as kept:
-                for index in range(keep):
-                    kept.append(frames[index])
-    except (OSError, RuntimeError):
-        shutil.move(path, path.with_name(f"{path.name}.damaged"))
-        return
-    temporary.replace(path)
+            keep = len(frames)
+            while keep > 0 and int(frames[keep - 1].configuration.step or 0) > last_step:
+                keep -= 1
+            if keep < len(frames):
+                with whole(path) as temporary, gsd.hoomd.open(str(temporary), "w") as shorter:
+                    for index in range(keep):
+                        shorter.append(frames[index])
+    except _UNREADABLE:
+        path.replace(set_aside(path))
+
+
+def is_readable(path: Path) -> bool:
+    """Whether the first and the last frame can be read, if there is a file at all."""
+    if not path.exists():
+        return True
+    try:
+        with gsd.hoomd.open(str(path)) as frames:
+            for index in {0, len(frames) - 1} if len(frames) else ():
+                frames[index]
+    except _UNREADABLE:
+        return False
+    return True
+
+
+def set_aside(path: Path) -> Path:
+    """Where `cut` puts a damaged file."""
+    return path.with_name(f"{path.name}.damaged")
 
 
 @dataclass(frozen=True)
@@ -90,9 +108,10 @@ def read_frame(configuration: Configuration) -> StartFrame:
             if not -len(frames) <= start.frame < len(frames):
                 raise _unfit(f"has no frame {start.frame}", f"it has {len(frames)}", "frame")
             frame = frames[start.frame]
-    except (OSError, RuntimeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else "it cannot be opened"
-        raise _unfit(f"= {path} is no readable GSD file", reason, "file") from None
+    except FileNotFoundError:
+        raise _unfit(f"= {path} does not exist", "the particles are to come from it", "file") from None
+    except _UNREADABLE:
+        raise _unfit(f"= {path} is no readable GSD file", "it is foreign or damaged", "file") from None
     d = configuration.dimension
     counts = [configuration.solvent_count]
     for bodies, count in zip(configuration.bodies, configuration.body_counts, strict=True):
@@ -114,6 +133,8 @@ def read_frame(configuration: Configuration) -> StartFrame:
     position = _inside(np.array(frame.particles.position, dtype=np.float64)[:, :d] + size / 2, size, offset)
     if not np.isfinite(position).all():
         raise _unfit(f"= {path} has a position that is not finite", "no force can be taken there", "file")
+    if not np.isfinite(frame.particles.velocity).all():
+        raise _unfit(f"= {path} has a velocity that is not finite", "no step can be taken from there", "file")
     moves = frame.particles.velocity is not None and np.any(frame.particles.velocity)
     velocity = np.array(frame.particles.velocity, dtype=np.float64)[:, :d] if moves else None
     return StartFrame(position, velocity, offset)
@@ -124,26 +145,39 @@ def velocity_profile(
 ) -> tuple[Vectors, Vectors, Vectors] | None:
     """Mean velocity along x in bins of y over the frames from `first_step` on: y, mean, standard error.
 
-    The error is that of the frames' means, taken as independent. None without two frames with velocities.
+    Neighboring frames are correlated (momentum takes L^2/(4 pi^2 nu) to diffuse), which the error takes into account
+    by the statistical inefficiency of each bin. None without two frames with velocities.
     """
     height = configuration.box.size[1]
-    rows = []
-    with gsd.hoomd.open(str(path)) as frames:
-        for frame in frames:
-            if (frame.configuration.step or 0) < first_step or frame.particles.velocity is None:
-                continue
-            y = np.asarray(frame.particles.position, dtype=np.float64)[:, 1] / height + 0.5
-            bin_of = np.minimum((y * bins).astype(int), bins - 1)
-            # Against the profile at each particle's own place; the bin's own middle is put back below.
-            slip = frame.particles.velocity[:, 0] - configuration.flow.shear_rate * height * (y - 0.5)
-            total = np.bincount(bin_of, weights=slip, minlength=bins)
-            rows.append(total / np.maximum(np.bincount(bin_of, minlength=bins), 1))
+    try:
+        with gsd.hoomd.open(str(path)) as frames:
+            rows = _slips(frames, configuration, first_step, bins)
+    except _UNREADABLE:
+        raise InputError(f"{path} is damaged", "it cannot be read as GSD", "run the configuration again") from None
     if len(rows) < 2:
         return None
     middle = (np.arange(bins) + 0.5) / bins * height
     imposed = configuration.flow.shear_rate * (middle - height / 2)
     slips = np.array(rows)
-    return middle, imposed + slips.mean(axis=0), slips.std(axis=0, ddof=1) / math.sqrt(len(rows))
+    inefficiency = np.array([estimate(slips[:, b]).inefficiency for b in range(bins)])
+    error = slips.std(axis=0, ddof=1) * np.sqrt(inefficiency / len(slips))
+    return middle, imposed + slips.mean(axis=0), error
+
+
+def _slips(frames: Any, configuration: Configuration, first_step: int, bins: int) -> list[Vectors]:
+    """Mean velocity along x against the imposed profile in each bin of y, a row for each frame that has velocities."""
+    height = configuration.box.size[1]
+    rows = []
+    for frame in frames:
+        if (frame.configuration.step or 0) < first_step or not np.any(frame.particles.velocity):
+            continue
+        y = np.asarray(frame.particles.position, dtype=np.float64)[:, 1] / height + 0.5
+        bin_of = np.clip((y * bins).astype(int), 0, bins - 1)
+        # Against the profile at each particle's own place; the bin's own middle is put back by the caller.
+        slip = frame.particles.velocity[:, 0] - configuration.flow.shear_rate * height * (y - 0.5)
+        total = np.bincount(bin_of, weights=slip, minlength=bins)
+        rows.append(total / np.maximum(np.bincount(bin_of, minlength=bins), 1))
+    return rows
 
 
 def _frame(simulation: Simulation) -> Any:

@@ -1,0 +1,41 @@
+"""Every file of examples/ runs as it stands, only shorter."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+from small_runs import summary, tether
+
+from tether.config import load
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+CONFIGURATIONS = sorted(EXAMPLES.glob("**/*.toml"))
+SCRIPTS = {"thinning.py": (["--strain", "0.1"], 3)}
+"""What makes each script short, and how many viscosities it prints."""
+
+
+def test_there_are_examples_and_no_others_than_those_run_here() -> None:
+    assert CONFIGURATIONS
+    scripts = [EXAMPLES / name for name in SCRIPTS]
+    assert sorted(path for path in EXAMPLES.glob("**/*") if path.is_file()) == sorted([*CONFIGURATIONS, *scripts])
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_a_script_runs(name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    arguments, viscosities = SCRIPTS[name]
+    monkeypatch.setattr(sys, "argv", [name, *arguments])
+    runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+    assert capsys.readouterr().out.count("viscosity ") == viscosities
+
+
+@pytest.mark.parametrize("path", CONFIGURATIONS, ids=lambda path: path.stem)
+def test_an_example_runs(path: Path, tmp_path: Path) -> None:
+    outcome = tether("run", path, "--out", tmp_path / "out", "--set", "run.equilibration=20", "--set", "run.steps=40")
+    assert outcome.code == 0, outcome
+    assert f"Results: {tmp_path / 'out'}" in outcome.out
+    assert summary(tmp_path / "out")["steps"] == 40
+    temperature = load(tmp_path / "out" / "config.toml").fluid.temperature
+    assert 0.8 < summary(tmp_path / "out")["temperature"]["all"]["value"] / temperature < 1.2
