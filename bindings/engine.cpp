@@ -9,6 +9,14 @@ namespace {
 template <int D>
 constexpr std::size_t base_values = sizeof(Base<D>) / sizeof(double);
 
+// The value that a word stands for; ValueError for any other word.
+template <class Value>
+Value chosen(std::string const& word, std::vector<std::pair<std::string, Value>> const& words) {
+    for (auto const& [known, value] : words)
+        if (known == word) return value;
+    throw std::invalid_argument("unknown word \"" + word + "\"");
+}
+
 template <int D>
 void export_engine_of(nb::module_& module, char const* name) {
     using E = CpuEngine<D>;
@@ -35,9 +43,13 @@ void export_engine_of(nb::module_& module, char const* name) {
                double noise, double cutoff, double exponent, std::string const& random, double timestep,
                double verlet_lambda, std::uint64_t seed, std::vector<double> const& species_mass,
                nb::ndarray<std::uint8_t const, nb::ndim<1>, nb::c_contig> species, int threads) {
-                FluidParameters const fluid{repulsion, friction,
-                                            noise,     cutoff,
-                                            exponent,  random == "gaussian" ? NoiseKind::gaussian : NoiseKind::uniform};
+                FluidParameters const fluid{
+                    repulsion,
+                    friction,
+                    noise,
+                    cutoff,
+                    exponent,
+                    chosen<NoiseKind>(random, {{"uniform", NoiseKind::uniform}, {"gaussian", NoiseKind::gaussian}})};
                 new (self) E(Box<D>(to_vector<D>(size), shear_rate), fluid, timestep, verlet_lambda, seed, species_mass,
                              std::vector<std::uint8_t>(species.data(), species.data() + species.shape(0)), threads);
             },
@@ -48,15 +60,17 @@ void export_engine_of(nb::module_& module, char const* name) {
             "add_bodies",
             [](E& self, Array2 const& sites, std::size_t count, std::size_t first, double stiffness, double mass,
                std::string const& base, std::string const& torque_arms) {
-                BaseMotion const motion = base == "newton-euler"          ? BaseMotion::newton_euler
-                                          : base == "newton-euler-lagged" ? BaseMotion::newton_euler_lagged
-                                                                          : BaseMotion::massless;
-                TorqueArms const arms = torque_arms == "sites" ? TorqueArms::sites : TorqueArms::constituents;
+                BaseMotion const motion =
+                    chosen<BaseMotion>(base, {{"massless", BaseMotion::massless},
+                                              {"newton-euler", BaseMotion::newton_euler},
+                                              {"newton-euler-lagged", BaseMotion::newton_euler_lagged}});
+                TorqueArms const arms = chosen<TorqueArms>(
+                    torque_arms, {{"constituents", TorqueArms::constituents}, {"sites", TorqueArms::sites}});
                 self.add_bodies(TetheredBodies<D>(to_vectors<D>(sites), count, first, stiffness, mass, motion, arms));
             },
             nb::kw_only(), nb::arg("sites"), nb::arg("count"), nb::arg("first"), nb::arg("stiffness"), nb::arg("mass"),
             nb::arg("base"), nb::arg("torque_arms"))
-        .def("start_gently", &E::start_gently, nb::arg("steps"), nb::arg("displacement"),
+        .def("start_gently", &E::start_gently, nb::arg("first"), nb::arg("steps"), nb::arg("displacement"),
              nb::call_guard<nb::gil_scoped_release>())
         .def("place", &E::place, nb::call_guard<nb::gil_scoped_release>())
         .def(

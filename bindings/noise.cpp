@@ -11,7 +11,8 @@ nb::ndarray<nb::numpy, double> noise_of(std::uint64_t seed, std::uint64_t step, 
     if (i.shape(0) != j.shape(0)) throw std::invalid_argument("i and j must have one length");
     StepKey const key = step_key(seed, step, Stream::run);
     std::vector<double> noise(i.shape(0));
-    for (std::size_t k = 0; k < noise.size(); ++k) noise[k] = Noise::template draw<double>(pair_bits(key, i(k), j(k)));
+    for (std::size_t k = 0; k < noise.size(); ++k)
+        noise[k] = Noise::template draw<double>(pair_bits(key, std::min(i(k), j(k)), std::max(i(k), j(k))));
     return to_numpy<double>(noise.data(), {noise.size()});
 }
 
@@ -32,7 +33,7 @@ void export_noise(nb::module_& module) {
             StepKey const key = step_key(seed, step, Stream::run);
             std::vector<std::uint32_t> words(2 * i.shape(0));
             for (std::size_t k = 0; k < i.shape(0); ++k) {
-                PairBits const bits = pair_bits(key, i(k), j(k));
+                auto const bits = pair_bits(key, std::min(i(k), j(k)), std::max(i(k), j(k)));
                 words[2 * k] = bits.high;
                 words[2 * k + 1] = bits.low;
             }
@@ -51,7 +52,7 @@ void export_noise(nb::module_& module) {
     module.def(
         "philox2x32",
         [](std::vector<std::uint32_t> const& counter, std::uint32_t key) {
-            PairBits const out = philox::two(counter.at(0), counter.at(1), key);
+            auto const out = philox::two(counter.at(0), counter.at(1), key);
             return std::vector<std::uint32_t>{out.high, out.low};
         },
         nb::arg("counter"), nb::arg("key"), "Philox2x32-10, to hold against the known answers of its authors.");

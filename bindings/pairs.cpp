@@ -12,7 +12,7 @@ nb::tuple neighbor_pairs_of(Array2 const& position, std::vector<double> const& s
     Box<D> box(to_vector<D>(size), shear_rate);
     box.set_offset(offset);
     Team team(1);
-    CellGrid<D> grid(box, cutoff);
+    CellGrid<D> grid(box, cutoff, position.shape(0));
     grid.sort(to_vectors<D>(position), box, team);
     std::vector<std::uint32_t> ids;
     std::vector<Vector<D>> separations;

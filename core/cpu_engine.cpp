@@ -39,7 +39,7 @@ CpuEngine<D>::CpuEngine(Box<D> const& box_, FluidParameters const& fluid, double
       runaway_speed_(runaway_displacement * fluid.cutoff / timestep),
       seed_(seed),
       solvent_(static_cast<std::size_t>(std::count(species.begin(), species.end(), std::uint8_t{0}))),
-      pairs_(box_, fluid.cutoff),
+      pairs_(box_, fluid.cutoff, species.size()),
       team_(threads) {
     state.position.resize(species.size());
     state.velocity.resize(species.size());
@@ -49,12 +49,14 @@ CpuEngine<D>::CpuEngine(Box<D> const& box_, FluidParameters const& fluid, double
 }
 
 template <int D>
-void CpuEngine<D>::start_gently(std::uint64_t steps, double displacement) {
+void CpuEngine<D>::start_gently(std::uint64_t first, std::uint64_t steps, double displacement) {
     double const shear_rate = box.shear_rate();
     box.set_shear_rate(0.0);
-    predict(predicted_, state, timestep_, 0.5, team_);
-    forces(Stream::gentle_start, 0, true, nullptr);
-    for (std::uint64_t number = 1; number <= steps; ++number) {
+    if (first == 0) {
+        predict(predicted_, state, timestep_, 0.5, team_);
+        forces(Stream::gentle_start, 0, true, nullptr);
+    }
+    for (std::uint64_t number = first + 1; number <= first + steps; ++number) {
         kick(state, 0.5 * timestep_, team_);
         limit(state, displacement / timestep_, team_);
         drift(state, timestep_, team_);
@@ -86,18 +88,23 @@ std::vector<double> CpuEngine<D>::run(std::uint64_t steps, std::uint64_t interva
         step(&sample);
         if (!fault) sample.add_to(&means[number / interval * Sample<D>::values], 1.0 / static_cast<double>(interval));
     }
+    if (!fault) watch();  // nothing of a state that is already lost is handed out
     return means;
+}
+
+template <int D>
+void CpuEngine<D>::watch() {
+    std::size_t const runaway = find_runaway(state, box, runaway_speed_, team_);
+    if (runaway < state.size())
+        fault = Fault{state.step, runaway, std::sqrt(dot(state.velocity[runaway], state.velocity[runaway]))};
 }
 
 template <int D>
 void CpuEngine<D>::step(Sample<D>* sample) {
     ++state.step;
     kick(state, 0.5 * timestep_, team_);
-    std::size_t const runaway = find_runaway(state, box, runaway_speed_, team_);
-    if (runaway < state.size()) {
-        fault = Fault{state.step, runaway, std::sqrt(dot(state.velocity[runaway], state.velocity[runaway]))};
-        return;
-    }
+    watch();
+    if (fault) return;
     drift(state, timestep_, team_);
     for (TetheredBodies<D>& kind : bodies) {
         kind.kick(0.5 * timestep_, team_);

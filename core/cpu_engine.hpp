@@ -36,7 +36,8 @@ class CpuEngine {
 
     // Steps at rest in which no particle moves further than `displacement` a step, so that overlaps of a random start
     // are pushed apart and blow nothing up; bases stand massless.  Neither box nor step counter moves.
-    void start_gently(std::uint64_t steps, double displacement);
+    // The steps are `first` + 1 to `first` + `steps`, so that they can be taken in portions.
+    void start_gently(std::uint64_t first, std::uint64_t steps, double displacement);
     // Stand the bases on their constituents and compute the forces that the first step begins with.
     void place();
     // Advance by `steps`.  With interval > 0 every step is measured and the means over each `interval` steps (a
@@ -54,6 +55,7 @@ class CpuEngine {
     using AnyLaw = std::variant<Dpd<HalfPower>, Dpd<SquarePower>, Dpd<AnyPower>>;
 
     void step(Sample<D>* sample);
+    void watch();  // set `fault` if a particle runs away
     void forces(Stream stream, std::uint64_t number, bool massless, Sample<D>* sample);
 
     AnyLaw law_;

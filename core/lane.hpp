@@ -41,4 +41,17 @@ TETHER_DEVICE inline float power(float x, float exponent) {
     return powf(x, exponent);
 }
 
+// The 64-bit product of 32-bit words, in two words.
+TETHER_DEVICE inline void widening_product(std::uint32_t a, std::uint32_t b, std::uint32_t& high, std::uint32_t& low) {
+    std::uint64_t const product = std::uint64_t{a} * b;
+    high = static_cast<std::uint32_t>(product >> 32);
+    low = static_cast<std::uint32_t>(product);
+}
+
+// A word read as a signed integer (two's complement), as a Real.
+template <class Real>
+TETHER_DEVICE inline Real signed_value(std::uint32_t word) {
+    return Real(static_cast<std::int32_t>(word));
+}
+
 }  // namespace tether

@@ -18,8 +18,10 @@ struct StepKey {
 // Which part of a run draws: the same seed gives independent noise to each.
 enum class Stream : std::uint32_t { run = 0, gentle_start = 1 };
 
+// 64 random bits: a word is a std::uint32_t, or a pack of them that brings its own widening_product and signed_value.
+template <class Word>
 struct PairBits {
-    std::uint32_t high, low;
+    Word high, low;
 };
 
 namespace philox {
@@ -44,11 +46,13 @@ TETHER_DEVICE inline StepKey four(std::uint32_t const (&counter)[4], std::uint32
     return {{c0, c1, c2, c3}};
 }
 
-TETHER_DEVICE inline PairBits two(std::uint32_t left, std::uint32_t right, std::uint32_t key) {
+template <class Word>
+TETHER_DEVICE inline PairBits<Word> two(Word left, Word right, std::uint32_t key) {
     for (int round = 0; round < rounds; ++round) {
-        std::uint64_t const product = std::uint64_t{multiplier} * left;
-        left = static_cast<std::uint32_t>(product >> 32) ^ key ^ right;
-        right = static_cast<std::uint32_t>(product);
+        Word high, low;
+        widening_product(left, multiplier, high, low);
+        left = high ^ right ^ Word(key);
+        right = low;
         key += weyl_a;
     }
     return {left, right};
@@ -63,20 +67,20 @@ TETHER_DEVICE inline StepKey step_key(std::uint64_t seed, std::uint64_t step, St
     return philox::four(counter, static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32));
 }
 
-// 64 random bits of the pair (i, j) at the step of the key; the order of i and j does not matter.
-TETHER_DEVICE inline PairBits pair_bits(StepKey const& key, std::uint32_t i, std::uint32_t j) {
-    std::uint32_t const lower = i < j ? i : j;
-    std::uint32_t const higher = i < j ? j : i;
-    return philox::two(lower ^ key.word[2], higher ^ key.word[3], key.word[0]);
+// The bits of the pair of ids `lower` < `higher` at the step of the key.
+template <class Word>
+TETHER_DEVICE inline PairBits<Word> pair_bits(StepKey const& key, Word lower, Word higher) {
+    return philox::two(lower ^ Word(key.word[2]), higher ^ Word(key.word[3]), key.word[0]);
 }
 
 // Uniform on (-sqrt 3, sqrt 3): the odd multiples of 2^-32 in (-1, 1) are symmetric about zero, so that the mean over
-// all bit patterns is exactly 0; sqrt 3 makes the variance 1 (to 2^-64).
+// all bit patterns is exactly 0; sqrt 3 makes the variance 1 (to 2^-64).  In float they are rounded, to 24 bits, which
+// keeps the symmetry.
 struct UniformNoise {
-    template <class Real>
-    TETHER_DEVICE static Real draw(PairBits bits) {
-        constexpr Real scale = Real(1.7320508075688772 / 2147483648.0);
-        return (Real(static_cast<std::int32_t>(bits.high)) + Real(0.5)) * scale;
+    template <class Real, class Word>
+    TETHER_DEVICE static Real draw(PairBits<Word> bits) {
+        constexpr double scale = 1.7320508075688772 / 2147483648.0;
+        return (signed_value<Real>(bits.high) + Real(0.5)) * Real(scale);
     }
 };
 
@@ -84,7 +88,7 @@ struct UniformNoise {
 // the other.
 struct GaussianNoise {
     template <class Real>
-    TETHER_DEVICE static Real draw(PairBits bits) {
+    TETHER_DEVICE static Real draw(PairBits<std::uint32_t> bits) {
         using namespace std;
         constexpr double scale = 1.0 / 4294967296.0;
         constexpr double two_pi = 6.283185307179586;

@@ -17,17 +17,14 @@ namespace tether {
 class Team {
   public:
     explicit Team(int threads) {
-        for (int k = 1; k < threads; ++k) workers_.emplace_back([this] { serve(); });
-    }
-    ~Team() {
-        {
-            std::lock_guard const lock(mutex_);
-            closing_ = true;
-            round_.fetch_add(1, std::memory_order_release);
+        try {
+            for (int k = 1; k < threads; ++k) workers_.emplace_back([this] { serve(); });
+        } catch (...) {  // the system has no more threads to give
+            close();
+            throw;
         }
-        wake_.notify_all();
-        for (std::thread& worker : workers_) worker.join();
     }
+    ~Team() { close(); }
     Team(Team const&) = delete;
     Team& operator=(Team const&) = delete;
 
@@ -67,7 +64,18 @@ class Team {
   private:
     static constexpr int patience = 20000;  // turns of an idle loop (some 10 microseconds) before a thread sleeps
 
-    void take_units() {
+    void close() {
+        {
+            std::lock_guard const lock(mutex_);
+            closing_ = true;
+            round_.fetch_add(1, std::memory_order_release);
+        }
+        wake_.notify_all();
+        for (std::thread& worker : workers_) worker.join();
+    }
+
+    // A unit that throws ends the program: the others could not be called back.
+    void take_units() noexcept {
         for (std::size_t unit = next_.fetch_add(1, std::memory_order_relaxed); unit < count_;
              unit = next_.fetch_add(1, std::memory_order_relaxed))
             call_(object_, unit);

@@ -6,6 +6,7 @@ import io
 import json
 import multiprocessing
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -130,6 +131,8 @@ def _in_child(log: Path, arguments: list[str]) -> None:
     handle = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(handle, 1)
     os.dup2(handle, 2)
+    # A shell starts background jobs, these tests perhaps, with SIGINT ignored, and tether leaves an ignored one alone.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.argv = ["tether", *arguments]
     main()
 

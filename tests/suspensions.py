@@ -162,7 +162,7 @@ def suspension(
     )
     made.position = np.mod(position, length)
     if gentle_steps:
-        made.start_gently(gentle_steps, 0.01)
+        made.start_gently(0, gentle_steps, 0.01)
     mass = np.asarray(species_mass)[species][:, None]
     velocity = generator.standard_normal(position.shape) * np.sqrt(temperature / mass)
     velocity -= (mass * velocity).sum(axis=0) / mass.sum()

@@ -45,12 +45,13 @@ class Case:
     pairwise: float | None = None
     bodies: tuple[tt.Bodies, ...] = ()
     fluid: tt.Fluid = _FLUID
+    temperature_within: float = 0.003
 
-    def run(self, base: str = "massless") -> tt.Result:
+    def run(self, base: str = "massless", seed: int = 11) -> tt.Result:
         bodies = [b.changed(base=base) for b in self.bodies]
         simulation = tt.Simulation(
             box=self.box, fluid=self.fluid, bodies=bodies, flow=tt.Couette(shear_rate=self.rate),
-            timestep=self.timestep, seed=11,
+            timestep=self.timestep, seed=seed,
         )  # fmt: skip
         return simulation.run(equilibration=self.equilibration, steps=self.steps)
 
@@ -61,10 +62,12 @@ PLAIN = [
     Case("plain_3d", _CUBE, 0.005, 0.2, 36_000, Known(2.503, 0.023, 0.015), pressure=Known(32.68, 0.01, 0.002)),
     Case("plain_2d", _SQUARE, 0.01, 0.2, 100_000, Known(3.090, 0.023, 0.015), pressure=Known(40.52, 0.01, 0.002)),
     # Bindgen et al., Phys. Fluids 33 (2021), doi 10.1063/5.0055396: 0.7410(19) + 0.134(5); p without an error.
+    # The rate is theirs; at it, 450 000 steps are what an error of 1.2 % takes.
     Case(
-        "bindgen", tt.Box(12, 12, 12), 0.005, 0.0669, 100_000, Known(0.875, 0.0054, 0.02),
+        "bindgen", tt.Box(12, 12, 12), 0.005, 0.0669, 450_000, Known(0.875, 0.0054, 0.012),
         pressure=Known(23.66, 0.005, 0.005),
         fluid=tt.Fluid(density=3.0, repulsion=25.0, friction=4.5, temperature=1.0, exponent=2.0),
+        temperature_within=0.005,  # the integrator's own error at s = 2 and this time step is 0.37 %
     ),
 ]  # fmt: skip
 
@@ -84,7 +87,7 @@ SUSPENSIONS = [
 
 @pytest.mark.parametrize("case", PLAIN, ids=lambda case: case.name)
 def test_plain_fluid(case: Case, record: Callable[..., None]) -> None:
-    """Viscosity and pressure agree, and the kinetic temperature is within 0.3 % of kT."""
+    """Viscosity and pressure agree, and the kinetic temperature is within 0.3 % of kT (0.5 % at s = 2)."""
     result = case.run()
     record(case.name, **_found(result))
     assert result.viscosity is not None
@@ -94,12 +97,16 @@ def test_plain_fluid(case: Case, record: Callable[..., None]) -> None:
     assert abs(result.pressure.value / case.pressure.value - 1) < case.pressure.smallest
     temperature = result.temperature["all"]
     assert temperature is not None
-    assert abs(temperature.value - 1) < 0.003
+    assert abs(temperature.value - 1) < case.temperature_within
 
 
 @pytest.mark.parametrize("case", SUSPENSIONS, ids=lambda case: case.name)
 def test_suspension(case: Case, record: Callable[..., None]) -> None:
-    """Total and pairwise viscosity agree, errors are under 1 %, and all five temperatures are within 1.5 % of kT."""
+    """Total and pairwise viscosity agree, errors are under 1 %, and all five temperatures are within 1.5 % of kT.
+
+    As everywhere in this file a comparison allows 2.5 errors of what was measured. For the translation of cubes it
+    matters: see test_translation_under_shear.
+    """
     result = case.run()
     record(case.name, **_found(result))
     assert result.viscosity is not None
@@ -110,31 +117,57 @@ def test_suspension(case: Case, record: Callable[..., None]) -> None:
     assert Known(case.pairwise, case.viscosity.error, 0.01).agrees(result.viscosity_pairwise)
     for name, temperature in result.temperature.items():
         assert temperature is not None, name
-        assert abs(temperature.value - 1) < 0.015, name
+        assert abs(temperature.value - 1) < 0.015 + _SIGMAS * temperature.error, name
     assert result.viscosity_random is not None
     assert abs(result.viscosity_random.value) < 4 * result.viscosity_random.error
 
 
-@pytest.mark.parametrize("base", ["newton-euler", "newton-euler-lagged"])
+@pytest.mark.parametrize("rate", [0.0, 0.2, 0.4, 0.8])
+def test_translation_under_shear(rate: float, record: Callable[..., None]) -> None:
+    """At rest every temperature is kT within 1 %; under shear the bodies' translation is more than heat.
+
+    Bodies that meet in shear are thrown off their streamlines, and these velocities count in the mean square about
+    the imposed profile. They grow with the rate; the rest of the system stays at kT. docs/findings.md has the table.
+    """
+    flow = tt.Couette(shear_rate=rate) if rate else tt.Rest()
+    simulation = tt.Simulation(
+        box=_CUBE, fluid=_FLUID, bodies=[tt.Bodies("cube", count=250)], flow=flow, timestep=0.005, seed=12
+    )
+    result = simulation.run(equilibration=2000, steps=10_000)
+    record(f"cubes_250_rate_{rate:g}", **_found(result))
+    temperature = {name: e for name, e in result.temperature.items() if e is not None}
+    for name, e in temperature.items():
+        heated = name == "body_translation" and rate > 0
+        allowed = 0.01 + 0.2 * rate**2 + _SIGMAS * e.error  # viscous heat, which the thermostat takes out, is rate^2
+        assert heated or abs(e.value - 1) < allowed, name
+    if rate >= 0.4:
+        translation = temperature["body_translation"]
+        assert translation.value - 1 > 4 * translation.error
+
+
 @pytest.mark.parametrize("case", SUSPENSIONS, ids=lambda case: case.name)
-def test_newton_euler_base(case: Case, base: str, record: Callable[..., None]) -> None:
-    """What the paper's way of moving the base does to the temperatures: docs/findings.md tells the story."""
+def test_newton_euler_base(case: Case, record: Callable[..., None]) -> None:
+    """The paper's way of moving the base heats the constituents, and nothing else: docs/findings.md."""
+    result = case.run("newton-euler")
+    record(f"{case.name}_newton-euler", **_found(result))
+    temperature = {name: e for name, e in result.temperature.items() if e is not None}
+    assert temperature["constituents"].value > 1.5
+    assert abs(temperature["solvent"].value - 1) < 0.02
+    assert abs(temperature["body_translation"].value - 1) < 0.05
+
+
+@pytest.mark.parametrize("case", SUSPENSIONS, ids=lambda case: case.name)
+def test_lagged_newton_euler_base(case: Case, record: Callable[..., None]) -> None:
+    """Forces from the previous step are no cure: bodies heat in translation too, until a particle runs away or not."""
     try:
-        result = case.run(base)
+        result = case.run("newton-euler-lagged")
     except tt.RunError as error:
-        record(f"{case.name}_{base}", failed=str(error))
-        assert base == "newton-euler-lagged"
+        record(f"{case.name}_newton-euler-lagged", failed=str(error))
         return
-    record(f"{case.name}_{base}", **_found(result))
-    constituents, solvent = result.temperature["constituents"], result.temperature["solvent"]
-    assert constituents is not None
-    assert solvent is not None
-    assert constituents.value > 1.5
-    assert abs(solvent.value - 1) < 0.02
-    if base == "newton-euler":
-        translation = result.temperature["body_translation"]
-        assert translation is not None
-        assert abs(translation.value - 1) < 0.05
+    record(f"{case.name}_newton-euler-lagged", **_found(result))
+    temperature = {name: e for name, e in result.temperature.items() if e is not None}
+    assert temperature["constituents"].value > 1.5
+    assert temperature["body_translation"].value > 1.5
 
 
 def _found(result: tt.Result) -> dict[str, object]:

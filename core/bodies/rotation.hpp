@@ -24,7 +24,7 @@ struct Rotation<2> {
     Axial<2> turn_back_axial(Axial<2> const& a) const { return a; }
     void turn_about_own_axis(std::size_t, double angle) {
         Vector<2> const turned = turn({{std::cos(angle), std::sin(angle)}});
-        double const norm = std::hypot(turned[0], turned[1]);
+        double const norm = std::sqrt(dot(turned, turned));
         *this = {turned[0] / norm, turned[1] / norm};
     }
 };
@@ -65,7 +65,7 @@ using Correlation = std::array<std::array<double, D>, D>;
 // The rotation R that minimizes sum |actual - R reference|^2.  In 2D this is one angle.
 inline Rotation<2> best_rotation(Correlation<2> const& s) {
     double const cosine = s[0][0] + s[1][1], sine = s[0][1] - s[1][0];
-    double const norm = std::hypot(cosine, sine);
+    double const norm = std::sqrt(cosine * cosine + sine * sine);
     if (norm == 0.0) return {};
     return {cosine / norm, sine / norm};
 }

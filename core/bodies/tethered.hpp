@@ -250,8 +250,10 @@ class TetheredBodies {
         for (std::size_t i = 0; i < sites_.size(); ++i) {
             Vector<D> const site = base.rotation.turn(sites_[i]);
             Vector<D> const spring = -stiffness_ * (near.arm[i] - site);
-            base.force += state.force[id + i];
-            base.torque += cross(arms_ == TorqueArms::sites ? site : near.arm[i], state.force[id + i]);
+            if (has_inertia()) {
+                base.force += state.force[id + i];
+                base.torque += cross(arms_ == TorqueArms::sites ? site : near.arm[i], state.force[id + i]);
+            }
             state.force[id + i] += spring;
             for (std::size_t k = 0; k < D; ++k)
                 for (std::size_t l = 0; l < D; ++l) moment[k][l] += near.arm[i][k] * spring[l];

@@ -47,11 +47,20 @@ class CellGrid {
     };
 
   public:
-    CellGrid(Box<D> const& box, double cutoff) : cutoff_(cutoff) {
+    CellGrid(Box<D> const& box, double cutoff, std::size_t particles) : cutoff_(cutoff) {
+        Vector<D> most;  // cells of one cutoff
+        double all = 1.0;
         for (std::size_t k = 0; k < D; ++k) {
-            cells_[k] = std::max<long>(3, static_cast<long>(box.length()[k] / cutoff));
+            most[k] = std::max(3.0, std::floor(box.length()[k] / cutoff));
             // A side of exactly n cutoffs may round to a width below the cutoff; one cell less is always right.
-            if (box.length()[k] / static_cast<double>(cells_[k]) < cutoff && cells_[k] > 3) --cells_[k];
+            if (box.length()[k] / most[k] < cutoff && most[k] > 3.0) most[k] -= 1.0;
+            all *= most[k];
+        }
+        // A sparse box gets wider cells: empty ones cost time and memory too.
+        double const enough = std::max(27.0, 4.0 * static_cast<double>(particles));
+        double const widening = all > enough ? std::pow(all / enough, 1.0 / D) : 1.0;
+        for (std::size_t k = 0; k < D; ++k) {
+            cells_[k] = static_cast<long>(std::clamp(std::floor(most[k] / widening), 3.0, std::max(3.0, enough)));
             width_[k] = box.length()[k] / static_cast<double>(cells_[k]);
         }
         color_rows();

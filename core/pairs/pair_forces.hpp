@@ -13,7 +13,8 @@ namespace tether {
 template <int D>
 class PairForces {
   public:
-    PairForces(Box<D> const& box, double cutoff) : grid_(box, cutoff), virials_(grid_.rows()) {}
+    PairForces(Box<D> const& box, double cutoff, std::size_t particles)
+        : grid_(box, cutoff, particles), virials_(grid_.rows()) {}
 
     // Set state.force to the DPD forces at (position, velocity) and return their virials (all zero unless `Stress`).
     template <bool Stress, class Noise, class Law>
@@ -58,7 +59,8 @@ class PairForces {
                     distance > 0.0 ? 1.0 / distance : 0.0;  // two particles on one point push nowhere
                 Vector<D> relative = velocity - velocity_[n.j];
                 relative[0] -= n.image_velocity;
-                double const noise = Noise::template draw<double>(pair_bits(key, id[i], id[n.j]));
+                std::uint32_t const lower = std::min(id[i], id[n.j]), higher = std::max(id[i], id[n.j]);
+                double const noise = Noise::template draw<double>(pair_bits(key, lower, higher));
                 Pair<double> const pair{distance, dot(n.separation, relative) * inverse, noise};
                 PairForce<double> const magnitude = law(pair, parameters);
                 Vector<D> const pull = (magnitude.total() * inverse) * n.separation;

@@ -48,7 +48,7 @@ void predict(std::vector<Vector<D>>& predicted, State<D> const& state, double ti
     });
 }
 
-// Shorten velocities (against the imposed flow) to at most `speed`.
+// Shorten velocities to at most `speed`; for a box at rest.
 template <int D>
 void limit(State<D>& state, double speed, Team& team) {
     team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {

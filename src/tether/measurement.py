@@ -19,6 +19,16 @@ STRESS_TERMS = ("kinetic", "conservative", "dissipative", "random", "body")
 """Terms of the stress. The random term's mean is zero: it is kept, and left out of every sum."""
 
 
+def pairwise_stress(series: xr.Dataset) -> xr.DataArray:
+    """Kinetic + conservative + dissipative stress (the paper's eq. 16), dims (time, row, column)."""
+    return series["stress_kinetic"] + series["stress_conservative"] + series["stress_dissipative"]
+
+
+def total_stress(series: xr.Dataset) -> xr.DataArray:
+    """Pairwise + body stress, dims (time, row, column); positive in tension."""
+    return pairwise_stress(series) + series["stress_body"]
+
+
 @dataclass(frozen=True)
 class Freedom:
     """Degrees of freedom behind each kinetic temperature.

@@ -51,7 +51,7 @@ def velocities(
     """
     v = random.standard_normal(at.shape) * np.sqrt(configuration.fluid.temperature / mass)[:, None]
     v -= (mass[:, None] * v).sum(axis=0) / mass.sum()
-    v[:, 0] += configuration.flow.shear_rate * (at[:, 1] - 0.5 * configuration.box.size[1])
+    v[:, 0] += configuration.flow.velocity(at[:, 1], configuration.box.size[1])
     return v
 
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from tether.estimate import Estimate, estimate
+from tether.measurement import total_stress
 from tether.theory import suspension
 
 if TYPE_CHECKING:
@@ -56,17 +57,7 @@ _STYLE: dict[Any, Any] = {
     "svg.hashsalt": "tether",  # the same picture, the same bytes
 }
 _UNITS = "DPD units"
-_TERMS = ("stress_kinetic", "stress_conservative", "stress_dissipative", "stress_body")
 _POINTS = 250  # of a drawn series: each is the mean of so many samples that this many are left
-
-
-def total_stress(series: xr.Dataset) -> xr.DataArray:
-    """Kinetic + conservative + dissipative + body stress, dims (time, row, column); positive in tension."""
-    terms = [series[name] for name in _TERMS if name in series]
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
 
 
 def plot_series(series: xr.Dataset, path_stem: Path, title: str, temperature: float | None = None) -> list[Path]:
@@ -158,7 +149,7 @@ def plot_relative(
     added and returns both paths.
     """
     packing = suspension.MAXIMUM_PACKING[dimension]
-    end = min(max(0.02, 1.6 * phi), 0.985 * packing)
+    end = max(min(max(0.02, 1.6 * phi), 0.985 * packing), 1.1 * phi)  # a point beyond phi_m stands in the picture too
     curve = np.linspace(0.0, end, 400)
     shown = [point for point in (eta_r, pairwise) if point is not None]
     rise = max(point.value + (point.error if point.converged else 0.0) - 1.0 for point in shown)

@@ -11,15 +11,20 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from tether.caution import warnings_of
 from tether.config import Configuration
-from tether.estimate import Estimate, drifts, estimate, estimate_function
-from tether.measurement import Freedom
+from tether.estimate import Estimate, estimate, estimate_function
+from tether.measurement import Freedom, pairwise_stress, total_stress
 from tether.theory.dimensionless import Dimensionless, dimensionless
 from tether.version import __version__
 
-_ENOUGH_STRAIN = 5.0
-_DRIFT = 3.5
-"""Standard errors between the halves of a run that call for a warning; some five means are tested at once."""
+_TEMPERATURES = {
+    "all": "temperature",
+    "solvent": "temperature_solvent",
+    "constituents": "temperature_constituents",
+    "body_translation": "temperature_body_translation",
+}
+"""Kinetic temperatures that are series of their own."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +61,12 @@ class Result:
     @cached_property
     def stress(self) -> NDArray[np.float64]:
         """Total stress over time: kinetic + conservative + dissipative + body; shape (n, d, d)."""
-        return self.stress_pairwise + self._values("stress_body")
+        return np.asarray(total_stress(self.series).values)
 
     @cached_property
     def stress_pairwise(self) -> NDArray[np.float64]:
         """Kinetic + conservative + dissipative stress over time (the paper's eq. 16); shape (n, d, d)."""
-        return self._values("stress_kinetic") + self._values("stress_conservative") + self._values("stress_dissipative")
+        return np.asarray(pairwise_stress(self.series).values)
 
     @cached_property
     def viscosity(self) -> Estimate | None:
@@ -81,29 +86,42 @@ class Result:
     @cached_property
     def pressure(self) -> Estimate:
         """p = -tr(S)/d of the total stress."""
-        return estimate(-np.trace(self.stress, axis1=1, axis2=2) / self.configuration.dimension)
+        return estimate(self.over_time["pressure"])
 
     @cached_property
     def N1(self) -> Estimate:  # noqa: N802
         """First normal stress difference S_xx - S_yy of the total stress."""
-        return estimate(self.stress[:, 0, 0] - self.stress[:, 1, 1])
+        return estimate(self.over_time["N1"])
 
     @cached_property
     def N2(self) -> Estimate | None:  # noqa: N802
         """Second normal stress difference S_yy - S_zz of the total stress; None in 2D."""
-        if self.configuration.dimension == 2:
-            return None
-        return estimate(self.stress[:, 1, 1] - self.stress[:, 2, 2])
+        return estimate(self.over_time["N2"]) if self.configuration.dimension == 3 else None
 
     @cached_property
     def temperature(self) -> dict[str, Estimate | None]:
         """Kinetic temperatures: all, solvent, constituents, body_translation, body_rotation."""
-        names = {"all": "temperature"}
-        names |= {of: f"temperature_{of}" for of in ("solvent", "constituents", "body_translation")}
         found: dict[str, Estimate | None] = {
-            of: estimate(self._values(name)) if name in self.series else None for of, name in names.items()
+            of: estimate(self._values(name)) if name in self.series else None for of, name in _TEMPERATURES.items()
         }
         found["body_rotation"] = self._rotation_temperature()
+        return found
+
+    @cached_property
+    def over_time(self) -> dict[str, NDArray[np.float64]]:
+        """What must be stationary, by name: samples over time, shape (n,) each."""
+        stress = self.stress
+        found = {
+            f"temperature of {of.replace('_', ' ')}": self._values(name)
+            for of, name in _TEMPERATURES.items()
+            if name in self.series
+        }
+        found["pressure"] = -np.trace(stress, axis1=1, axis2=2) / self.configuration.dimension
+        found["N1"] = stress[:, 0, 0] - stress[:, 1, 1]
+        if self.configuration.dimension == 3:
+            found["N2"] = stress[:, 1, 1] - stress[:, 2, 2]
+        if self.configuration.flow.shear_rate != 0:
+            found["viscosity"] = stress[:, 0, 1] / self.configuration.flow.shear_rate
         return found
 
     @cached_property
@@ -120,34 +138,12 @@ class Result:
     @cached_property
     def warnings(self) -> list[str]:
         """What stands against these means, a sentence each."""
-        found = []
-        if self.configuration.flow.shear_rate != 0 and self.strain < _ENOUGH_STRAIN:
-            found.append(
-                f"the total strain is {self.strain:.3g}, less than {_ENOUGH_STRAIN:g} (the suspension may not "
-                "have forgotten its start); run longer or shear faster"
-            )
-        watched = {"temperature": self._values("temperature"), "pressure": self._pressure_series()}
-        if self.configuration.flow.shear_rate != 0:
-            watched["shear stress"] = self.stress[:, 0, 1]
-        for name, values in watched.items():
-            z = drifts(values)
-            if z is not None and abs(z) > _DRIFT:
-                found.append(
-                    f"the {name} still drifts (its two halves differ by {abs(z):.1f} standard errors); "
-                    "give the run more equilibration"
-                )
-        short = [name for name, e in self._estimates().items() if e is not None and not e.converged]
-        if short:
-            found.append(
-                f"the run is too short for an error of {', '.join(short)} (it spans too few of their "
-                "correlation times); run longer"
-            )
-        return found
+        return warnings_of(self)
 
     def as_dict(self) -> dict[str, Any]:
         """What summary.json holds; None for numbers that do not exist."""
         configuration = self.configuration
-        quantities = {name: _entry(e) for name, e in self._estimates().items()}
+        quantities = {name: _entry(e) for name, e in self.estimates.items()}
         temperatures = {of: quantities.pop(f"temperature of {of.replace('_', ' ')}") for of in self.temperature}
         return {
             "version": __version__,
@@ -167,7 +163,7 @@ class Result:
             "momentum_drift": _finite(self.momentum_drift),
             "statistical_inefficiency": {
                 name: _finite(e.inefficiency * configuration.series_interval) if e is not None else None
-                for name, e in self._estimates().items()
+                for name, e in self.estimates.items()
             },
             "dimensionless": self.dimensionless.as_dict(),
             "warnings": self.warnings,
@@ -179,7 +175,9 @@ class Result:
             "state_sha256": self.state_sha256,
         }
 
-    def _estimates(self) -> dict[str, Estimate | None]:
+    @property
+    def estimates(self) -> dict[str, Estimate | None]:
+        """All means, by name."""
         temperatures = {f"temperature of {of.replace('_', ' ')}": e for of, e in self.temperature.items()}
         return {
             **temperatures,
@@ -194,27 +192,27 @@ class Result:
     def _values(self, name: str) -> NDArray[np.float64]:
         return np.asarray(self.series[name].values, dtype=np.float64)
 
-    def _pressure_series(self) -> NDArray[np.float64]:
-        return np.asarray(-np.trace(self.stress, axis1=1, axis2=2) / self.configuration.dimension)
-
     def _viscosity(self, stress: NDArray[np.float64]) -> Estimate | None:
         rate = self.configuration.flow.shear_rate
         return estimate(stress[:, 0, 1] / rate) if rate != 0 else None
 
     def _rotation_temperature(self) -> Estimate | None:
-        """(<L . omega> - 2 s . <L> + s . <I> s) / degrees of freedom, with s the measured mean spin."""
+        """(<L . omega> - <L> . <I>^-1 <L>) / degrees of freedom, sums over all bodies.
+
+        With s = <I>^-1 <L>, the mean spin of the bodies weighted with their inertia, this is the mean of
+        (L - I s) . I^-1 . (L - I s): what is left of the rotation when the mean spin is taken out.
+        """
         if "spin" not in self.series or self.freedom.body_rotation == 0:
             return None
-        bodies = sum(self.configuration.body_counts)
-        spin = self._values("spin") / bodies
-        turns = spin.shape[1]
-        inertia = self._values("inertia").reshape(len(spin), turns * turns)
-        columns = np.hstack([self._values("spin_energy")[:, None], spin, self._values("angular_momentum"), inertia])
+        momentum = self._values("angular_momentum")
+        turns = momentum.shape[1]
+        inertia = self._values("inertia").reshape(len(momentum), turns * turns)
+        columns = np.hstack([self._values("spin_energy")[:, None], momentum, inertia])
 
         def temperature(means: NDArray[np.float64]) -> float:
-            energy, s, momentum, flat = np.split(means, [1, 1 + turns, 1 + 2 * turns])
-            tensor = flat.reshape(turns, turns)
-            return float(energy[0] - 2 * s @ momentum + s @ tensor @ s) / self.freedom.body_rotation
+            energy, total, flat = np.split(means, [1, 1 + turns])
+            spin = np.linalg.lstsq(flat.reshape(turns, turns), total)[0]  # one rod has no inertia about its line
+            return float(energy[0] - total @ spin) / self.freedom.body_rotation
 
         return estimate_function(temperature, columns)
 

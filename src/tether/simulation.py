@@ -6,7 +6,7 @@ import hashlib
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,18 +15,23 @@ from tether import measurement, placement
 from tether.bodies import Bodies
 from tether.box import Box
 from tether.config import Configuration, Output, Reference, Run, Start
+from tether.drive import drive
 from tether.engines import cpu_engine, default_threads
 from tether.errors import InputError, RunError
+from tether.files.checkpoint import Checkpoint
 from tether.files.trajectory import read_frame
 from tether.flows import Couette, Rest
 from tether.fluid import Fluid
+from tether.record import Record
 from tether.result import Performance, Result
-
-if TYPE_CHECKING:
-    from tether.files.checkpoint import Checkpoint
 
 _GENTLE_DISPLACEMENT = 0.05
 """The furthest that a particle moves in a step of the gentle start, in cutoffs."""
+
+_MOST_THREADS = 1024
+
+_PORTION_SECONDS = 0.2
+"""About how long the gentle start runs between looks at signals."""
 
 Vectors = NDArray[np.float64]
 
@@ -95,8 +100,9 @@ class Simulation:
         return simulation
 
     def _prepare(self, configuration: Configuration, threads: int | None) -> None:
-        if threads is not None and threads < 1:
-            raise InputError(f"threads = {threads} must be at least 1", "a run needs one", "leave it out to choose")
+        if threads is not None and not 1 <= threads <= _MOST_THREADS:
+            problem = f"threads = {threads} must be from 1 to {_MOST_THREADS}"
+            raise InputError(problem, "more only wait for each other", "leave it out to choose")
         self.configuration = configuration
         particles = configuration.solvent_count + configuration.constituent_count
         self.threads = threads or default_threads(particles)
@@ -178,12 +184,10 @@ class Simulation:
         does, checkpoints included. Ctrl-C stops within a second; with `out` nothing is lost then.
         Raises RunError when a particle runs away.
         """
-        from tether.record import drive, record_of  # the record of a run needs this module
-
         run = self.configuration.run.changed(equilibration=equilibration, steps=steps, strain=strain)
         self.configuration = self.configuration.changed(run=run)
         self._measure_anew()
-        drive(self, record_of(self.configuration, out, force) if out is not None else None)
+        drive(self, Record.create(Path(out), self.configuration, force) if out is not None else None)
         return self.result()
 
     def place(self) -> None:
@@ -196,20 +200,33 @@ class Simulation:
         if configuration.start.file is not None:
             frame = read_frame(configuration)
             engine.position, engine.offset = frame.position, frame.offset
-            velocity = frame.velocity
+            velocity = frame.peculiar_velocity
+            if velocity is not None:
+                velocity -= self.masses @ velocity / self.masses.sum()
+                velocity[:, 0] += configuration.flow.velocity(frame.position[:, 1], configuration.box.size[1])
         else:
             size = np.array(configuration.box.size)
             at = np.mod(placement.positions(configuration, places), size)
             at[at >= size] = 0.0  # a rounding error below 0 comes out as the side itself
             engine.position = at
             engine.velocity = np.zeros_like(at)
-            engine.start_gently(configuration.start.gentle_steps, _GENTLE_DISPLACEMENT * configuration.fluid.cutoff)
+            self._start_gently()
             velocity = None
         if velocity is None:
             velocity = placement.velocities(configuration, engine.position, self.masses, speeds)
         engine.velocity = velocity
         engine.place()
         self._is_placed = True
+
+    def _start_gently(self) -> None:
+        """The gentle start, in portions, so that Ctrl-C is heard."""
+        done, portion = 0, 1
+        while done < self.configuration.start.gentle_steps:
+            began = time.perf_counter()
+            steps = min(portion, self.configuration.start.gentle_steps - done)
+            self.engine.start_gently(done, steps, _GENTLE_DISPLACEMENT * self.configuration.fluid.cutoff)
+            done += steps
+            portion = max(1, round(steps * _PORTION_SECONDS / max(time.perf_counter() - began, 1e-9)))
 
     @property
     def measured_from(self) -> int:
@@ -278,16 +295,13 @@ class Simulation:
 
     def kinetic_temperature(self) -> float:
         """Kinetic temperature of all particles at this moment."""
-        at, v = self.engine.position, self.engine.velocity
-        v[:, 0] -= self.configuration.flow.shear_rate * (at[:, 1] - 0.5 * self.configuration.box.size[1])
+        v = self._peculiar_velocities()
         return float((self.masses[:, None] * v**2).sum() / (v.shape[1] * (len(v) - 1)))
 
     # --- checkpoints ---
 
     def checkpoint(self) -> Checkpoint:
         """The whole state, and what has been measured."""
-        from tether.files.checkpoint import Checkpoint
-
         self.place()
         engine = self.engine
         return Checkpoint(
@@ -339,11 +353,13 @@ class Simulation:
                 self._open, self._open_steps = np.zeros_like(self._open), 0
 
     def _peculiar_momentum(self) -> Vectors:
-        v = self.engine.velocity
-        rate, height = self.configuration.flow.shear_rate, self.configuration.box.size[1]
-        v[:, 0] -= rate * (self.engine.position[:, 1] - 0.5 * height)
-        momentum: Vectors = (self.masses[:, None] * v).sum(axis=0)
+        momentum: Vectors = (self.masses[:, None] * self._peculiar_velocities()).sum(axis=0)
         return momentum
+
+    def _peculiar_velocities(self) -> Vectors:
+        v = self.engine.velocity
+        v[:, 0] -= self.configuration.flow.velocity(self.engine.position[:, 1], self.configuration.box.size[1])
+        return v
 
     def _runaway(self, step: int, particle: int, speed: float) -> RunError:
         timestep = self.configuration.run.timestep

@@ -241,7 +241,7 @@ SPOILED = [
         'bodies.0.shape = "square" has 2 dimensions and the box has 3',
         '"octahedron" or',
     ),
-    ("spacing = 0.25", "spacing = 3", 16, "bodies.0.spacing makes a body of diameter 5.2", "over 12.39"),
+    ("spacing = 0.25", "spacing = 3", 16, "bodies.0.spacing makes a body of diameter 5.2", "over 11.43"),
     ("timestep = 0.005", "timestep = 0.04", 26, "run.timestep = 0.04 is too long for springs", "try 0.009"),
     (
         "stiffness = 3000.0",

@@ -118,7 +118,7 @@ def test_the_profile_of_particles_that_follow_the_flow(sheared: Any, tmp_path: P
         for slip in (0.0, 0.25):
             frame.particles.velocity = frame.particles.position[:, [1, 0, 2]] * np.array([1, 0, 0]) + [slip, 0, 0]
             frames.append(frame)
-    profile = velocity_profile(tmp_path / "made.gsd", sheared.simulation.configuration, 20, bins=10)
+    profile = velocity_profile(tmp_path / "made.gsd", sheared.simulation.configuration, 20)
     assert profile is not None
     y, velocity, error = profile
     assert y == pytest.approx((np.arange(10) + 0.5) / 10 * 5)

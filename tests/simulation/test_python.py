@@ -14,7 +14,8 @@ import pytest
 import xarray as xr
 
 import tether as tt
-from tether.record import Stopped, drive, resume
+from tether.drive import Stopped, drive
+from tether.resume import resume
 
 
 def small(**keys: Any) -> tt.Simulation:
@@ -178,7 +179,7 @@ def test_a_start_from_a_relative_path_resumes_from_anywhere(tmp_path: Path, monk
 
 
 def test_errors_are_sentences() -> None:
-    with pytest.raises(tt.InputError, match=r"threads = 0 must be at least 1"):
+    with pytest.raises(tt.InputError, match=r"threads = 0 must be from 1 to 1024"):
         small(threads=0)
     with pytest.raises(tt.InputError, match=r"Run: steps is missing, and so is strain"):
         small().run()

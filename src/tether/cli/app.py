@@ -19,10 +19,11 @@ from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
 from tether.cli.table import table
 from tether.config import Configuration, Source, json_schema, template
+from tether.drive import Stopped, drive
 from tether.errors import InputError, TetherError
 from tether.files.trajectory import velocity_profile
-from tether.record import Record, Stopped, drive
-from tether.record import resume as resumed
+from tether.record import Record
+from tether.resume import resume as resumed
 from tether.simulation import Simulation
 from tether.version import __version__
 
@@ -100,8 +101,7 @@ def run(
         try:
             Record(folder).check_free(force)
             simulation = Simulation.from_configuration(configuration, threads)
-            with _interrupted_at_once():
-                simulation.place()  # before the folder: bodies that find no room leave none behind
+            simulation.place()  # before the folder: bodies that find no room leave none behind
             record = Record.create(folder, configuration, force)
             _finish(simulation, record, quiet)
         except TetherError as error:
@@ -166,7 +166,7 @@ def plot(folder: Folder) -> None:
         profile = velocity_profile(record.trajectory_path, configuration, first)
         if profile is not None:
             y, velocity, error = profile
-            imposed = configuration.flow.shear_rate * (y - 0.5 * configuration.box.size[1])
+            imposed = configuration.flow.velocity(y, configuration.box.size[1])
             drawn += pictures.plot_profile(
                 y, velocity, error, np.asarray(imposed), folder / "profile", _title(configuration)
             )
@@ -219,20 +219,6 @@ def _stoppable() -> Iterator[None]:
     except KeyboardInterrupt:
         print("stopped at once; what came after the last checkpoint is lost", file=sys.stderr)
         raise typer.Exit(128 + signal.SIGINT) from None
-
-
-@contextmanager
-def _interrupted_at_once() -> Iterator[None]:
-    """Let Ctrl-C end the process inside the engine, which does not look at signals, while there is nothing to keep."""
-    former = signal.getsignal(signal.SIGINT)
-    if former == signal.SIG_IGN:
-        yield
-        return
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, former)
 
 
 def _finish(simulation: Simulation, record: Record, quiet: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -10,11 +11,13 @@ from rich.console import Console
 
 from tether.cli.progress import progress
 from tether.config import Configuration
+from tether.drive import drive
 from tether.errors import InputError
 from tether.estimate import Estimate
 from tether.files.whole import whole
-from tether.record import Record, drive, resume
+from tether.record import Record
 from tether.result import Result
+from tether.resume import resume
 from tether.simulation import Simulation
 from tether.theory.suspension import MAXIMUM_PACKING, einstein, krieger_dougherty
 
@@ -40,9 +43,9 @@ def relative_viscosity(result: Result, record: Record, threads: int | None, quie
             "viscosity_plain_fluid": plain.as_dict(),
             "relative_viscosity": total.as_dict(),
             "relative_viscosity_pairwise": pairwise.as_dict(),
-            "theory": theory,
+            "theory": {name: value if math.isfinite(value) else None for name, value in theory.items()},
         }
-        temporary.write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
+        temporary.write_text(json.dumps(entries, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     pictures = plot_relative(phi, total, dimension, record.folder / "relative", pairwise)
     if quiet:
         return
@@ -51,7 +54,7 @@ def relative_viscosity(result: Result, record: Record, threads: int | None, quie
     console.print(f"  eta_r = {total}   (total stress; the plain fluid's viscosity is {plain})")
     console.print(f"  eta_r = {pairwise}   (pairwise stress, the figure that the paper plots)")
     for name, value in theory.items():
-        console.print(f"  {value:.3f}   {name}")
+        console.print(f"  {value:.3f}   {name}" if math.isfinite(value) else f"  beyond phi_m: {name}")
     console.print(f"Picture: {pictures[0]}")
 
 

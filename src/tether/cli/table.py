@@ -27,9 +27,9 @@ def table(summary: dict[str, Any]) -> Table:
     for name, entry in summary["temperature"].items():
         _add(rows, f"kT {name.replace('_', ' ')}", entry, "")
     numbers = summary["dimensionless"]
-    for name in ("peclet", "reynolds", "mach"):
+    for name, (title, _) in _NUMBERS.items():
         if numbers[name] is not None:
-            rows.add_row(f"{name.capitalize()} number", f"{numbers[name]:.3g}", "", _of(name, numbers))
+            rows.add_row(title, f"{numbers[name]:.3g}", "", _of(name, numbers))
     if summary["momentum_drift"] is not None:
         rows.add_row("momentum drift", f"{summary['momentum_drift']:.1e}", "", "per particle")
     performance = summary["performance"]
@@ -50,11 +50,13 @@ _QUANTITIES = {
     "pressure": "",
 }
 
-_MADE_FROM = {
-    "peclet": ("radius", "diffusivity"),
-    "reynolds": ("radius", "viscosity"),
-    "mach": ("radius", "sound_speed"),
+_NUMBERS = {
+    "peclet": ("Peclet number", ("radius", "diffusivity")),
+    "reynolds": ("Reynolds, channel L_y", ("radius", "viscosity")),
+    "particle_reynolds": ("Reynolds, one body", ("radius", "viscosity")),
+    "mach": ("Mach number", ("radius", "sound_speed")),
 }
+"""Title of each dimensionless number, and what it was made from (where that is from, summary.json says)."""
 
 
 def _add(rows: Table, name: str, entry: dict[str, float | None] | None, note: str) -> None:
@@ -71,5 +73,5 @@ def _add(rows: Table, name: str, entry: dict[str, float | None] | None, note: st
 
 
 def _of(name: str, numbers: dict[str, Any]) -> str:
-    words = [f"{part.replace('_', ' ')} {numbers[part]['value']:.3g}" for part in _MADE_FROM[name]]
+    words = [f"{part.replace('_', ' ')} {numbers[part]['value']:.3g}" for part in _NUMBERS[name][1]]
     return ", ".join(words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from tether.simulation import Simulation
 
 Vectors = NDArray[np.float64]
+
+_SHEAR_RATE = "tether/shear_rate"
+"""The log entry of a frame with the rate of the flow that its velocities belong to."""
 
 _UNREADABLE = (OSError, RuntimeError, ValueError, KeyError, TypeError)
 """What the gsd package raises for a damaged or foreign file."""
@@ -92,8 +96,8 @@ class StartFrame:
 
     position: Vectors
     """Inside the box, shape (n, d)."""
-    velocity: Vectors | None
-    """In the laboratory frame, shape (n, d); None if the frame has none."""
+    peculiar_velocity: Vectors | None
+    """Against the flow that the frame was made in, shape (n, d); None if the frame tells neither."""
     offset: float
     """Of the sheared box, length."""
 
@@ -126,6 +130,10 @@ def read_frame(configuration: Configuration) -> StartFrame:
         )
     size = np.array(configuration.box.size)
     box = np.array(frame.configuration.box, dtype=np.float64)
+    if frame.configuration.dimensions != d or np.any(box[4:]):
+        raise _unfit(
+            f"= {path} has a box of another kind", f"this run's has {d} dimensions, tilted along x only", "file"
+        )
     if not np.allclose(box[:d], size, rtol=1e-5):
         sides = " x ".join(f"{side:g}" for side in box[:d])
         raise _unfit(f"= {path} has a box of {sides}", "this run's box has other sides", "file")
@@ -135,20 +143,28 @@ def read_frame(configuration: Configuration) -> StartFrame:
         raise _unfit(f"= {path} has a position that is not finite", "no force can be taken there", "file")
     if not np.isfinite(frame.particles.velocity).all():
         raise _unfit(f"= {path} has a velocity that is not finite", "no step can be taken from there", "file")
-    moves = frame.particles.velocity is not None and np.any(frame.particles.velocity)
-    velocity = np.array(frame.particles.velocity, dtype=np.float64)[:, :d] if moves else None
-    return StartFrame(position, velocity, offset)
+    return StartFrame(position, _peculiar(frame, position, size), offset)
+
+
+def _peculiar(frame: Any, position: Vectors, size: Vectors) -> Vectors | None:
+    if _SHEAR_RATE not in frame.log or not np.any(frame.particles.velocity):
+        return None
+    velocity = np.array(frame.particles.velocity, dtype=np.float64)[:, : len(size)]
+    velocity[:, 0] -= float(frame.log[_SHEAR_RATE][0]) * (position[:, 1] - 0.5 * size[1])
+    return velocity
 
 
 def velocity_profile(
-    path: Path, configuration: Configuration, first_step: int, bins: int = 20
+    path: Path, configuration: Configuration, first_step: int
 ) -> tuple[Vectors, Vectors, Vectors] | None:
     """Mean velocity along x in bins of y over the frames from `first_step` on: y, mean, standard error.
 
-    Neighboring frames are correlated (momentum takes L^2/(4 pi^2 nu) to diffuse), which the error takes into account
-    by the statistical inefficiency of each bin. None without two frames with velocities.
+    There are twenty bins, fewer in a low box, none thinner than half a cutoff. Neighboring frames are correlated
+    (momentum takes L^2/(4 pi^2 nu) to diffuse), which the error takes into account by the statistical inefficiency of
+    each bin; so are neighboring bins. None without two frames with velocities.
     """
     height = configuration.box.size[1]
+    bins = min(20, int(2 * height / configuration.fluid.cutoff))
     try:
         with gsd.hoomd.open(str(path)) as frames:
             rows = _slips(frames, configuration, first_step, bins)
@@ -157,15 +173,17 @@ def velocity_profile(
     if len(rows) < 2:
         return None
     middle = (np.arange(bins) + 0.5) / bins * height
-    imposed = configuration.flow.shear_rate * (middle - height / 2)
-    slips = np.array(rows)
-    inefficiency = np.array([estimate(slips[:, b]).inefficiency for b in range(bins)])
-    error = slips.std(axis=0, ddof=1) * np.sqrt(inefficiency / len(slips))
-    return middle, imposed + slips.mean(axis=0), error
+    mean, error = np.full(bins, np.nan), np.full(bins, np.nan)
+    for of_bin, slips in enumerate(np.array(rows).T):
+        known = slips[np.isfinite(slips)]  # a bin may be empty in some frames
+        if len(known) > 1:
+            mean[of_bin] = known.mean()
+            error[of_bin] = known.std(ddof=1) * math.sqrt(estimate(known).inefficiency / len(known))
+    return middle, configuration.flow.velocity(middle, height) + mean, error
 
 
 def _slips(frames: Any, configuration: Configuration, first_step: int, bins: int) -> list[Vectors]:
-    """Mean velocity along x against the imposed profile in each bin of y, a row for each frame that has velocities."""
+    """Mean velocity along x against the imposed profile in each bin of y (nan in an empty one), a row a frame."""
     height = configuration.box.size[1]
     rows = []
     for frame in frames:
@@ -174,9 +192,9 @@ def _slips(frames: Any, configuration: Configuration, first_step: int, bins: int
         y = np.asarray(frame.particles.position, dtype=np.float64)[:, 1] / height + 0.5
         bin_of = np.clip((y * bins).astype(int), 0, bins - 1)
         # Against the profile at each particle's own place; the bin's own middle is put back by the caller.
-        slip = frame.particles.velocity[:, 0] - configuration.flow.shear_rate * height * (y - 0.5)
-        total = np.bincount(bin_of, weights=slip, minlength=bins)
-        rows.append(total / np.maximum(np.bincount(bin_of, minlength=bins), 1))
+        slip = frame.particles.velocity[:, 0] - configuration.flow.velocity(y * height, height)
+        total, count = np.bincount(bin_of, weights=slip, minlength=bins), np.bincount(bin_of, minlength=bins)
+        rows.append(np.divide(total, count, out=np.full(bins, np.nan), where=count > 0))
     return rows
 
 
@@ -195,6 +213,7 @@ def _frame(simulation: Simulation) -> Any:
     frame.configuration.step = simulation.step
     frame.configuration.dimensions = d
     frame.configuration.box = [size[0], size[1], size[2] if d == 3 else 0.0, tilt, 0.0, 0.0]
+    frame.log[_SHEAR_RATE] = np.array([configuration.flow.shear_rate])
     frame.particles.N = len(at)
     frame.particles.types = ["solvent", *_type_names([bodies.shape for bodies in configuration.bodies])]
     frame.particles.typeid = simulation.species.astype(np.uint32)
