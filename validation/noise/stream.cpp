@@ -5,6 +5,7 @@
 //
 // Two little-endian 32-bit words a pair, without end unless PAIRS are asked for.  START chooses where the others stand.  `control` walks
 // along i through a cheap hash that a battery worth its name must fail.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -15,7 +16,7 @@
 namespace {
 
 // One turn of a linear congruential generator (Numerical Recipes' constants) over the inputs folded together by exclusive or.
-tether::PairBits cheap_hash(std::uint32_t seed, std::uint32_t step, std::uint32_t i, std::uint32_t j) {
+tether::PairBits<std::uint32_t> cheap_hash(std::uint32_t seed, std::uint32_t step, std::uint32_t i, std::uint32_t j) {
     std::uint32_t const word = 1664525u * (seed ^ step ^ i ^ j) + 1013904223u;
     return {word, 1664525u * word + 1013904223u};
 }
@@ -36,7 +37,7 @@ int main(int count, char** arguments) {
         j = ~start;
     }
 
-    std::vector<tether::PairBits> block(4096);
+    std::vector<tether::PairBits<std::uint32_t>> block(4096);
     tether::StepKey key = tether::step_key(seed, step, tether::Stream::run);
     for (std::uint64_t done = 0; done < pairs;) {
         std::size_t filled = 0;
@@ -45,13 +46,13 @@ int main(int count, char** arguments) {
                 block[filled] = cheap_hash(start, start, i++, j);
                 continue;
             }
-            block[filled] = tether::pair_bits(key, i, j);
+            block[filled] = tether::pair_bits(key, std::min(i, j), std::max(i, j));
             if (walk == "i") ++i;
             if (walk == "j") ++j;
             if (walk == "step") key = tether::step_key(seed, ++step, tether::Stream::run);
             if (walk == "seed") key = tether::step_key(++seed, step, tether::Stream::run);
         }
-        if (std::fwrite(block.data(), sizeof(tether::PairBits), filled, stdout) != filled)
+        if (std::fwrite(block.data(), sizeof(tether::PairBits<std::uint32_t>), filled, stdout) != filled)
             return 0;  // the reader has had enough
     }
     return 0;
