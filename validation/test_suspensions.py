@@ -100,7 +100,7 @@ def test_plain_fluid(case: Case, record: Callable[..., None]) -> None:
 
 
 def test_bindgen_terms(record: Callable[..., None]) -> None:
-    """At rate 0.3, where errors are a fourth of those at 0.0669: the sum within 3 %, the dissipative part as published."""
+    """At rate 0.3, where errors are smaller: the sum within 3 %, the dissipative part as published."""
     result = replace(BINDGEN, rate=0.3, steps=120_000).run(seed=13)
     terms = {
         name: tt.estimate(result.series[f"stress_{name}"].values[:, 0, 1] / 0.3)
