@@ -78,3 +78,12 @@ def test_without_a_terminal_there_is_no_bar(tmp_path: Path) -> None:
     assert outcome.err == ""
     assert "particle-steps/s +" not in outcome.out
     assert "\x1b" not in outcome.out
+
+
+def test_without_a_terminal_a_line_now_and_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tether.cli.progress._SECONDS_BETWEEN_LINES", 0.0)
+    outcome = tether("run", write_couette(tmp_path), "--out", tmp_path / "out")
+    lines = outcome.err.splitlines()
+    assert lines[0].startswith("equilibrating, ")
+    assert lines[-1].startswith("measuring, ")
+    assert re.search(r"M particle-steps/s  eta .*  kT ", lines[-1])

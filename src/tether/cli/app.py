@@ -222,7 +222,7 @@ def _stoppable() -> Iterator[None]:
 
 
 def _finish(simulation: Simulation, record: Record, quiet: bool) -> None:
-    with progress(simulation, quiet or not sys.stderr.isatty()) as watch:
+    with progress(simulation, quiet) as watch:
         drive(simulation, record, watch)
     if not quiet:
         _print_summary(record)

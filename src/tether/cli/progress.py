@@ -1,7 +1,8 @@
-"""What is shown while a run goes."""
+"""What is shown while a run goes: a bar in a terminal, a line now and then in a log."""
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,44 +13,87 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from tether.simulation import Simulation
 
 _SECONDS_BETWEEN_MEANS = 1.0
-"""Means and their errors take a moment to compute, so they are shown once a second."""
+_SECONDS_BETWEEN_LINES = 60.0
+_COST = 0.05
+"""Means and their errors take a moment to compute: at most this part of the time."""
+
+Watch = Callable[[Simulation], None]
 
 
 @contextmanager
-def progress(simulation: Simulation, quiet: bool) -> Iterator[Callable[[Simulation], None] | None]:
-    """A bar with rate, time left, running viscosity and temperature; gives what to call after each chunk."""
+def progress(simulation: Simulation, quiet: bool) -> Iterator[Watch | None]:
+    """Phase, part done, rate, running viscosity and temperature; gives what to call after each chunk."""
     if quiet:
         yield None
-        return
+    elif not sys.stderr.isatty():
+        yield _lines(simulation)
+    else:
+        with _bar() as bar:
+            yield _moving(bar, simulation)
+
+
+def _bar() -> Progress:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(bar_width=24),
         TextColumn("{task.percentage:>3.0f}%"),
         TimeRemainingColumn(compact=True),
-        TextColumn("{task.fields[rate]}{task.fields[means]}"),
+        TextColumn("{task.fields[means]}"),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        begin = simulation.measured_from - simulation.configuration.run.equilibration
-        task = bar.add_task(
-            "starting", total=simulation.end - begin, completed=simulation.step - begin, rate="", means=""
-        )
-        particles = len(simulation.species)
-        shown = [0.0, time.monotonic(), float(simulation.step)]
+    return Progress(*columns, console=Console(stderr=True), transient=True)
 
-        def watch(running: Simulation) -> None:
-            now = time.monotonic()
-            measuring = running.step > running.measured_from
-            bar.update(
-                task,
-                completed=running.step - begin,
-                description="measuring" if measuring else "equilibrating",
-            )
-            if now - shown[0] >= _SECONDS_BETWEEN_MEANS:
-                speed = particles * (running.step - shown[2]) / (now - shown[1]) / 1e6
-                bar.update(task, rate=f"{speed:.2f} M particle-steps/s", means=_means(running))
-                shown[:] = [now, now, float(running.step)]
 
-        yield watch
+def _moving(bar: Progress, simulation: Simulation) -> Watch:
+    begin = _begin(simulation)
+    task = bar.add_task("starting", total=simulation.end - begin, completed=simulation.step - begin, means="")
+    means = _Means(simulation, _SECONDS_BETWEEN_MEANS)
+
+    def watch(running: Simulation) -> None:
+        bar.update(task, completed=running.step - begin, description=_phase(running))
+        if means.are_due():
+            bar.update(task, means=means.now(running))
+
+    return watch
+
+
+def _lines(simulation: Simulation) -> Watch:
+    begin = _begin(simulation)
+    means = _Means(simulation, _SECONDS_BETWEEN_LINES)
+
+    def watch(running: Simulation) -> None:
+        if means.are_due():
+            done = (running.step - begin) / (running.end - begin)
+            print(f"{_phase(running)}, {done:.0%} done: {means.now(running)}", file=sys.stderr, flush=True)
+
+    return watch
+
+
+def _begin(simulation: Simulation) -> int:
+    return simulation.measured_from - simulation.configuration.run.equilibration
+
+
+def _phase(simulation: Simulation) -> str:
+    return "measuring" if simulation.step > simulation.measured_from else "equilibrating"
+
+
+class _Means:
+    """Rate and running means as a line, so many seconds after the last one."""
+
+    def __init__(self, simulation: Simulation, seconds: float) -> None:
+        self._particles = len(simulation.species)
+        self._seconds = self._wait = seconds
+        self._last, self._last_step = time.monotonic(), simulation.step
+
+    def are_due(self) -> bool:
+        return time.monotonic() - self._last >= self._wait
+
+    def now(self, simulation: Simulation) -> str:
+        now = time.monotonic()
+        rate = self._particles * (simulation.step - self._last_step) / (now - self._last) / 1e6
+        line = f"{rate:.2f} M particle-steps/s{_means(simulation)}"
+        self._last, self._last_step = time.monotonic(), simulation.step
+        self._wait = max(self._seconds, (self._last - now) / _COST)
+        return line
 
 
 def _means(simulation: Simulation) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from pathlib import Path
 
 from rich.console import Console
@@ -68,7 +67,7 @@ def _plain_fluid(configuration: Configuration, folder: Path, threads: int | None
         simulation = Simulation.from_configuration(plain, threads)
         record = Record.create(folder, plain, force=True)
     if not simulation.is_finished:
-        with progress(simulation, quiet or not sys.stderr.isatty()) as watch:
+        with progress(simulation, quiet) as watch:
             drive(simulation, record, watch)
     viscosity = simulation.result().viscosity
     assert viscosity is not None
