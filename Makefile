@@ -1,7 +1,7 @@
 # make setup     build .venv with tether, its tests' and its documentation's tools
 # make demo      run examples/couette.toml and compare with theory (about a minute)
 # make test      format and type checks, tests, documentation
-# make validate  long runs against literature and independent physics
+# make validate  long runs against literature and independent physics (an hour and a half; needs dieharder)
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := setup

@@ -45,6 +45,9 @@ using Tensor = std::array<std::array<double, D>, D>;
 template <int D>
 constexpr std::size_t axial = D == 2 ? 1 : 3;  // components of an angular quantity
 
+template <int D>
+using Inertia = std::array<std::array<double, axial<D>>, axial<D>>;
+
 // What a body's constituents do together.  The turns are those of the constituents as they stand at the moment,
 // springs stretched: given the places, Maxwellian velocities make <L . I^-1 . L> exactly kT for each axis, however
 // soft the springs.
@@ -52,9 +55,8 @@ template <int D>
 struct BodyMotion {
     Vector<D> center, velocity;
     Axial<D> angular_momentum;  // about the center, laboratory axes
-    std::array<std::array<double, axial<D>>, axial<D>>
-        inertia{};    // without what turns about the line of a collinear body
-    Axial<D> spin{};  // omega = I^-1 L
+    Inertia<D> inertia{};       // without what turns about the line of a collinear body
+    Axial<D> spin{};            // omega = I^-1 L
 };
 
 // Bodies of one shape.
@@ -168,7 +170,7 @@ class TetheredBodies {
         Rotation<D> const& rotation = bases[body].rotation;
         Axial<D>
             momentum{};  // in the body's own axes, as is the inertia, so that a collinear body's line is one of them
-        std::array<std::array<double, axial<D>>, axial<D>> inertia{};
+        Inertia<D> inertia{};
         for (std::size_t i = 0; i < sites_.size(); ++i) {
             Vector<D> const arm = rotation.turn_back(near.arm[i]);
             momentum += mass_ * cross(arm, rotation.turn_back(near.velocity[i] - motion.velocity));
@@ -261,7 +263,7 @@ class TetheredBodies {
     }
 
     // omega with I omega = L over the axes that have inertia: by elimination, as I is positive on them.
-    static Axial<D> solve(std::array<std::array<double, axial<D>>, axial<D>> inertia, Axial<D> momentum) {
+    static Axial<D> solve(Inertia<D> inertia, Axial<D> momentum) {
         for (std::size_t k = 0; k < axial<D>; ++k) {
             if (inertia[k][k] == 0.0) continue;
             for (std::size_t row = k + 1; row < axial<D>; ++row) {
@@ -281,8 +283,7 @@ class TetheredBodies {
     }
 
     // R I R^T
-    static std::array<std::array<double, axial<D>>, axial<D>> turned(
-        Rotation<D> const& rotation, std::array<std::array<double, axial<D>>, axial<D>> inertia) {
+    static Inertia<D> turned(Rotation<D> const& rotation, Inertia<D> inertia) {
         for (int side = 0; side < 2; ++side) {  // rows, then (the transpose's rows) columns
             for (auto& row : inertia) {
                 Axial<D> axis{};

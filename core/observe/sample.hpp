@@ -56,7 +56,7 @@ struct Sample {
     double thermal_translation = 0.0;                                      // the same over whole bodies
     double spin_energy = 0.0;                                              // sum over bodies L . omega
     Axial<D> spin{}, angular_momentum{};                                   // sums over bodies of omega and L
-    std::array<std::array<double, axial<D>>, axial<D>> inertia{};          // and of the inertia
+    Inertia<D> inertia{};                                                  // and of the inertia
     Vector<D> momentum{};                                                  // sum m V
 
     static constexpr std::size_t values = 5 * D * D + 4 + 2 * axial<D> + axial<D> * axial<D> + D;
