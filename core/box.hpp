@@ -33,8 +33,8 @@ class Box {
 
     // Put a particle back into the box, with the velocity of the image that it becomes.
     void wrap(Vector<D>& position, Vector<D>& velocity) const {
-        double const crossings = std::floor(position[1] / length_[1]);
-        if (crossings != 0.0) {
+        if (!is_inside(position[1], length_[1])) {
+            double const crossings = std::floor(position[1] / length_[1]);
             double const y = position[1] - crossings * length_[1];
             if (y < length_[1]) {  // else it stands a rounding error below 0, and is at 0
                 position[1] = y;
@@ -59,7 +59,10 @@ class Box {
     }
 
   private:
+    static bool is_inside(double x, double side) { return x >= 0.0 && x < side; }
+
     static double wrapped(double x, double side) {
+        if (is_inside(x, side)) return x;  // nearly always, and floor is slow
         double const inside = x - side * std::floor(x / side);
         return inside < side ? inside : 0.0;
     }
