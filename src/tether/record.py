@@ -107,7 +107,7 @@ class Record:
     def write_series(self, simulation: Simulation) -> None:
         """Write the series measured so far, if anything is."""
         if len(simulation.measured_samples()):
-            series = simulation.result().series
+            series = simulation.series()
             with whole(self.series_path) as temporary:
                 series.to_netcdf(temporary, engine="h5netcdf")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from tether import measurement, placement
@@ -262,30 +263,31 @@ class Simulation:
         if self.engine.fault is not None:
             raise self._runaway(*self.engine.fault)
 
-    def result(self) -> Result:
-        """The means so far. Raises RunError when nothing has been measured."""
+    def series(self) -> xr.Dataset:
+        """What has been measured so far, over time. Raises RunError when nothing has been."""
         if not self._samples:
             raise RunError("nothing has been measured yet", "no sample is complete", "run longer")
-        configuration = self.configuration
         samples = self.measured_samples()
-        interval = configuration.series_interval
-        freedom = measurement.Freedom.of(configuration, self.engine.rotational_freedom)
+        steps = self.measured_from + self.configuration.series_interval * np.arange(1, len(samples) + 1)
+        columns = type(self.engine).columns
+        return measurement.series(samples, columns, steps, self.configuration, self._freedom())
+
+    def result(self) -> Result:
+        """The means so far. Raises RunError when nothing has been measured."""
+        series = self.series()
         assert self._momentum is not None
         drift = np.abs(self._peculiar_momentum() - self._momentum).max() / len(self.species)
         return Result(
-            configuration=configuration,
-            series=measurement.series(
-                samples,
-                type(self.engine).columns,
-                self.measured_from + interval * np.arange(1, len(samples) + 1),
-                configuration,
-                freedom,
-            ),
-            freedom=freedom,
+            configuration=self.configuration,
+            series=series,
+            freedom=self._freedom(),
             momentum_drift=float(drift),
             performance=Performance(self._seconds, float(len(self.species)) * (self.step - self._begin), self.threads),
             state_sha256=self.state_sha256,
         )
+
+    def _freedom(self) -> measurement.Freedom:
+        return measurement.Freedom.of(self.configuration, self.engine.rotational_freedom)
 
     def measured_samples(self) -> Vectors:
         """What has been sampled so far, in the engine's columns; shape (n, values)."""
