@@ -6,13 +6,16 @@ namespace tether::bindings {
 
 namespace {
 
+PairBits<std::uint32_t> bits_of(StepKey const& key, std::uint32_t i, std::uint32_t j) {
+    return pair_bits(particle_word(key, i) + particle_word(key, j));
+}
+
 template <class Noise>
 nb::ndarray<nb::numpy, double> noise_of(std::uint64_t seed, std::uint64_t step, Ids const& i, Ids const& j) {
     if (i.shape(0) != j.shape(0)) throw std::invalid_argument("i and j must have one length");
     StepKey const key = step_key(seed, step, Stream::run);
     std::vector<double> noise(i.shape(0));
-    for (std::size_t k = 0; k < noise.size(); ++k)
-        noise[k] = Noise::template draw<double>(pair_bits(key, std::min(i(k), j(k)), std::max(i(k), j(k))));
+    for (std::size_t k = 0; k < noise.size(); ++k) noise[k] = Noise::template draw<double>(bits_of(key, i(k), j(k)));
     return to_numpy<double>(noise.data(), {noise.size()});
 }
 
@@ -33,9 +36,9 @@ void export_noise(nb::module_& module) {
             StepKey const key = step_key(seed, step, Stream::run);
             std::vector<std::uint32_t> words(2 * i.shape(0));
             for (std::size_t k = 0; k < i.shape(0); ++k) {
-                auto const bits = pair_bits(key, std::min(i(k), j(k)), std::max(i(k), j(k)));
-                words[2 * k] = bits.high;
-                words[2 * k + 1] = bits.low;
+                auto const bits = bits_of(key, i(k), j(k));
+                words[2 * k] = bits.first;
+                words[2 * k + 1] = bits.second;
             }
             return to_numpy<std::uint32_t>(words.data(), {i.shape(0), std::size_t{2}});
         },
@@ -53,7 +56,7 @@ void export_noise(nb::module_& module) {
         "philox2x32",
         [](std::vector<std::uint32_t> const& counter, std::uint32_t key) {
             auto const out = philox::two(counter.at(0), counter.at(1), key);
-            return std::vector<std::uint32_t>{out.high, out.low};
+            return std::vector<std::uint32_t>{out.first, out.second};
         },
         nb::arg("counter"), nb::arg("key"), "Philox2x32-10, to hold against the known answers of its authors.");
 }

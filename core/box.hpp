@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "kernels/kernels.hpp"
 #include "vector.hpp"
 
 namespace tether {
@@ -25,6 +26,12 @@ class Box {
         double product = 1.0;
         for (double side : length_) product *= side;
         return product;
+    }
+
+    BoxNumbers<D> numbers() const {
+        BoxNumbers<D> bare{{}, shear_rate_, offset_, velocity_difference()};
+        for (std::size_t k = 0; k < D; ++k) bare.length[k] = length_[k];
+        return bare;
     }
 
     void set_offset(double offset) { offset_ = wrapped(offset, length_[0]); }

@@ -1,22 +1,30 @@
-// The CPU engine in double precision: a suspension and its step.
+// The CPU engine: a suspension and its step.
 #pragma once
 
+#include <memory>
 #include <optional>
-#include <variant>
+#include <string>
 
 #include "bodies/tethered.hpp"
+#include "kernels/instruction_set.hpp"
 #include "observe/sample.hpp"
 #include "pairs/pair_forces.hpp"
 #include "schemes/velocity_verlet.hpp"
+#include "stopwatch.hpp"
 
 namespace tether {
-
-enum class NoiseKind { uniform, gaussian };
 
 struct FluidParameters {
     double repulsion, friction, noise;  // a (force), gamma (force time/length), sigma (force sqrt time)
     double cutoff, exponent;            // r_c (length), s
     NoiseKind noise_kind;
+};
+
+// How pairs are computed.  The reference is one pair after the other in double precision, on any processor.
+struct PairEngine {
+    bool is_reference = false;
+    Precision precision = Precision::mixed;
+    std::string instruction_set;  // empty: the widest there is
 };
 
 // A particle that ran away: the step, the particle's id and its speed (not a number, perhaps).
@@ -30,7 +38,8 @@ template <int D>
 class CpuEngine {
   public:
     CpuEngine(Box<D> const& box_, FluidParameters const& fluid, double timestep, double lambda, std::uint64_t seed,
-              std::vector<double> species_mass, std::vector<std::uint8_t> species, int threads);
+              std::vector<double> species_mass, std::vector<std::uint8_t> species, PairEngine const& pairs,
+              int threads);
 
     void add_bodies(TetheredBodies<D> kind) { bodies.push_back(std::move(kind)); }
 
@@ -49,23 +58,26 @@ class CpuEngine {
     State<D> state;
     std::vector<TetheredBodies<D>> bodies;
     std::optional<Fault> fault;
+    Stopwatch watch;
     int threads() { return team_.size(); }
+    Team& team() { return team_; }
+    std::string const& instruction_set() const { return instruction_set_; }
 
   private:
-    using AnyLaw = std::variant<Dpd<HalfPower>, Dpd<SquarePower>, Dpd<AnyPower>>;
-
     void step(Sample<D>* sample);
-    void watch();  // set `fault` if a particle runs away
-    void forces(Stream stream, std::uint64_t number, bool massless, Sample<D>* sample);
+    void settle();
+    void look_out();  // set `fault` if a particle runs away
+    void forces(bool massless, Sample<D>* sample);
+    void note_all(StepKey const& key);
+    void put_in_order(std::uint64_t number);
 
-    AnyLaw law_;
-    DpdParameters<double> parameters_;
-    NoiseKind noise_kind_;
-    double timestep_, lambda_, runaway_speed_;
+    VelocityVerlet<D> scheme_;
     std::uint64_t seed_;
+    bool owes_kick_ = false;
     std::size_t solvent_;
-    PairForces<D> pairs_;
-    std::vector<Vector<D>> predicted_;
+    std::string instruction_set_;  // of the pair loop; empty for the reference
+    Kernels<D> kernels_;
+    std::unique_ptr<PairForces<D>> pairs_;
     Team team_;
 };
 

@@ -1,13 +1,14 @@
 // What a float, a double and a pack of them share, so that a law is written once for all of them.
 //
 // Every engine compiles the headers lane, noise and laws/: a scalar one with Real = double, a SIMD one with a pack, a
-// CUDA one as device code.  TETHER_DEVICE is the only macro of the core.
+// CUDA one as device code.  TETHER_DEVICE is the only macro of the core.  On a host it inlines by force: the SIMD engine
+// compiles these headers once for each instruction set, and a copy left for the linker might be taken from the wrong one.
 #pragma once
 
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
 #define TETHER_DEVICE __host__ __device__
 #else
-#define TETHER_DEVICE
+#define TETHER_DEVICE [[gnu::always_inline]]
 #endif
 
 #if !defined(__CUDACC_RTC__)
@@ -39,13 +40,6 @@ TETHER_DEVICE inline double power(double x, double exponent) {
 TETHER_DEVICE inline float power(float x, float exponent) {
     using namespace std;
     return powf(x, exponent);
-}
-
-// The 64-bit product of 32-bit words, in two words.
-TETHER_DEVICE inline void widening_product(std::uint32_t a, std::uint32_t b, std::uint32_t& high, std::uint32_t& low) {
-    std::uint64_t const product = std::uint64_t{a} * b;
-    high = static_cast<std::uint32_t>(product >> 32);
-    low = static_cast<std::uint32_t>(product);
 }
 
 // A word read as a signed integer (two's complement), as a Real.

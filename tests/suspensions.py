@@ -7,6 +7,7 @@ no code with the core but the noise of a pair, which has tests of its own.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -85,6 +86,9 @@ def engine(
     verlet_lambda: float = 0.5,
     seed: int = 1,
     species_mass: Sequence[float] = (1.0, 1.0),
+    pairs: str = "packed",
+    precision: str = "double",
+    instruction_set: str = "",
     threads: int = 1,
 ) -> Engine:
     """An engine without positions; noise None follows from sigma^2 = 2 gamma kT."""
@@ -103,6 +107,9 @@ def engine(
         seed=seed,
         species_mass=list(species_mass),
         species=np.asarray(species, dtype=np.uint8),
+        pairs=pairs,
+        precision=precision,
+        instruction_set=instruction_set or os.environ.get("TETHER_INSTRUCTION_SET", ""),
         threads=threads,
     )
     first = int(np.count_nonzero(np.asarray(species) == 0))

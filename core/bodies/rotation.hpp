@@ -70,11 +70,70 @@ inline Rotation<2> best_rotation(Correlation<2> const& s) {
     return {cosine / norm, sine / norm};
 }
 
-// In 3D the quaternion of R is the eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix (Horn 1987,
+// The unit quaternion of a rotation matrix, from its largest component.
+inline Rotation<3> quaternion_of(double const (&r)[3][3]) {
+    double const diagonal[4] = {r[0][0] + r[1][1] + r[2][2], r[0][0] - r[1][1] - r[2][2], r[1][1] - r[0][0] - r[2][2],
+                                r[2][2] - r[0][0] - r[1][1]};  // 4 q_i^2 - 1
+    int largest = 0;
+    for (int i = 1; i < 4; ++i)
+        if (diagonal[i] > diagonal[largest]) largest = i;
+    double const twice = std::sqrt(1.0 + diagonal[largest]), quarter = 0.5 / twice;
+    double const antisymmetric[3] = {r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]};  // 4 w (x, y, z)
+    if (largest == 0)
+        return {0.5 * twice, antisymmetric[0] * quarter, antisymmetric[1] * quarter, antisymmetric[2] * quarter};
+    int const a = largest - 1, b = (a + 1) % 3, c = (a + 2) % 3;
+    double axis[3];
+    axis[a] = 0.5 * twice;
+    axis[b] = (r[a][b] + r[b][a]) * quarter;
+    axis[c] = (r[a][c] + r[c][a]) * quarter;
+    return {antisymmetric[a] * quarter, axis[0], axis[1], axis[2]};
+}
+
+// Fit in 3D, for points that span space and are not far from a rotated copy of the reference: R is the orthogonal factor
+// of A = sum (actual reference^T) = R S, by Newton's iteration X <- (X + X^-T)/2 (Higham 1986, doi 10.1137/0907079), which
+// converges quadratically from any A of positive determinant.  False, and nothing done, for other points.
+inline bool polar_rotation(Correlation<3> const& s, Rotation<3>& rotation) {
+    double square = 0.0;
+    for (auto const& row : s)
+        for (double entry : row) square += entry * entry;
+    double const scale = std::sqrt(3.0 / square);  // singular values about 1
+    double x[3][3];
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) x[l][k] = scale * s[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)];
+    constexpr double flat = 1e-3;   // of the determinant: 1 for a cube, 0 for points in a plane
+    constexpr double close = 1e-9;  // a change this small leaves an error of its square
+    for (int iteration = 0; iteration < 30; ++iteration) {
+        double cofactor[3][3];
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) {
+                int const k1 = (k + 1) % 3, k2 = (k + 2) % 3, l1 = (l + 1) % 3, l2 = (l + 2) % 3;
+                cofactor[k][l] = x[k1][l1] * x[k2][l2] - x[k1][l2] * x[k2][l1];
+            }
+        double const determinant = x[0][0] * cofactor[0][0] + x[0][1] * cofactor[0][1] + x[0][2] * cofactor[0][2];
+        if (!(determinant > flat)) return false;
+        double const half_inverse = 0.5 / determinant;
+        double change = 0.0;
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) {
+                double const next = 0.5 * x[k][l] + half_inverse * cofactor[k][l];  // X^-T = cofactors / determinant
+                change += (next - x[k][l]) * (next - x[k][l]);
+                x[k][l] = next;
+            }
+        if (change <= close * close) {
+            rotation = quaternion_of(x);
+            return true;
+        }
+    }
+    return false;
+}
+
+// For any points in 3D the quaternion of R is the eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix (Horn 1987,
 // doi 10.1364/JOSAA.4.000629), found by Jacobi rotations, which are accurate to rounding, need no start and so are a
 // pure function of the points.  Points on a line leave the turn about that line open: any is returned, and all place
 // the points alike.
 inline Rotation<3> best_rotation(Correlation<3> const& s) {
+    Rotation<3> rotation;
+    if (polar_rotation(s, rotation)) return rotation;
     double m[4][4] = {
         {s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]},
         {s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},

@@ -21,6 +21,7 @@
 
 #include "bodies/rotation.hpp"
 #include "box.hpp"
+#include "observe/virial.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 
@@ -38,9 +39,6 @@ struct Base {
     Vector<D> force{};
     Axial<D> torque{};
 };
-
-template <int D>
-using Tensor = std::array<std::array<double, D>, D>;
 
 template <int D>
 constexpr std::size_t axial = D == 2 ? 1 : 3;  // components of an angular quantity
@@ -165,28 +163,35 @@ class TetheredBodies {
     BodyMotion<D> motion_of(std::size_t body, State<D> const& state, Box<D> const& box) const {
         Constituents& near = gather(body, state, box);
         BodyMotion<D> motion{};
-        motion.center = state.position[first_id(body)] + near.center;
+        motion.center = position_of(state, first_id(body)) + near.center;
         for (Vector<D> const& v : near.velocity) motion.velocity += (1.0 / static_cast<double>(sites_.size())) * v;
+        // In the body's own axes if it is collinear, so that its line is one of them; else in the laboratory's.
         Rotation<D> const& rotation = bases[body].rotation;
-        Axial<D>
-            momentum{};  // in the body's own axes, as is the inertia, so that a collinear body's line is one of them
+        bool const is_collinear = rotational_freedom() < static_cast<int>(axial<D>);
+        auto const in_axes = [&](Vector<D> const& r) { return is_collinear ? rotation.turn_back(r) : r; };
+        auto const in_laboratory = [&](Axial<D> const& a) { return is_collinear ? rotation.turn_axial(a) : a; };
+        Axial<D> momentum{};
         Inertia<D> inertia{};
         for (std::size_t i = 0; i < sites_.size(); ++i) {
-            Vector<D> const arm = rotation.turn_back(near.arm[i]);
-            momentum += mass_ * cross(arm, rotation.turn_back(near.velocity[i] - motion.velocity));
+            Vector<D> const arm = in_axes(near.arm[i]);
+            momentum += cross(arm, in_axes(near.velocity[i] - motion.velocity));
             double const square = dot(arm, arm);
             for (std::size_t k = 0; k < axial<D>; ++k)
                 for (std::size_t l = 0; l < axial<D>; ++l)
-                    inertia[k][l] += mass_ * ((k == l ? square : 0.0) - (D == 3 ? arm[k] * arm[l] : 0.0));
+                    inertia[k][l] += (k == l ? square : 0.0) - (D == 3 ? arm[k] * arm[l] : 0.0);
+        }
+        for (std::size_t k = 0; k < axial<D>; ++k) {
+            momentum[k] *= mass_;
+            for (std::size_t l = 0; l < axial<D>; ++l) inertia[k][l] *= mass_;
         }
         for (std::size_t k = 0; k < axial<D>; ++k)
             if (inverse_moments_[k] == 0.0) {
                 momentum[k] = 0.0;
                 for (std::size_t l = 0; l < axial<D>; ++l) inertia[k][l] = inertia[l][k] = 0.0;
             }
-        motion.angular_momentum = rotation.turn_axial(momentum);
-        motion.spin = rotation.turn_axial(solve(inertia, momentum));
-        motion.inertia = turned(rotation, inertia);
+        motion.angular_momentum = in_laboratory(momentum);
+        motion.spin = in_laboratory(solve(inertia, momentum));
+        motion.inertia = is_collinear ? turned(rotation, inertia) : inertia;
         return motion;
     }
 
@@ -201,18 +206,21 @@ class TetheredBodies {
         std::vector<Vector<D>> velocity;
     };
 
+    static Vector<D> position_of(State<D> const& state, std::size_t id) { return state.position[state.place[id]]; }
+
     Constituents& gather(std::size_t body, State<D> const& state, Box<D> const& box) const {
         thread_local Constituents near;
         std::size_t const id = first_id(body);
         near.arm.resize(sites_.size());
         near.velocity.resize(sites_.size());
         near.center = {};
+        Vector<D> const first_position = position_of(state, id), first_velocity = state.velocity[state.place[id]];
         for (std::size_t i = 0; i < sites_.size(); ++i) {
-            Vector<D> separation = state.position[id + i] - state.position[id];
-            Vector<D> relative_velocity = state.velocity[id + i] - state.velocity[id];
+            Vector<D> separation = state.position[state.place[id + i]] - first_position;
+            Vector<D> relative_velocity = state.velocity[state.place[id + i]] - first_velocity;
             box.nearest_image(separation, relative_velocity);
             near.arm[i] = separation;
-            near.velocity[i] = state.velocity[id] + relative_velocity;
+            near.velocity[i] = first_velocity + relative_velocity;
             near.center += (1.0 / static_cast<double>(sites_.size())) * separation;
         }
         for (Vector<D>& arm : near.arm) arm -= near.center;
@@ -222,7 +230,7 @@ class TetheredBodies {
     // The best fit of the sites to the constituents.
     void fit(std::size_t body, State<D> const& state, Constituents const& near) {
         Base<D>& base = bases[body];
-        base.center = state.position[first_id(body)] + near.center;
+        base.center = position_of(state, first_id(body)) + near.center;
         Correlation<D> correlation{};
         for (std::size_t i = 0; i < sites_.size(); ++i)
             for (std::size_t k = 0; k < D; ++k)
@@ -234,7 +242,7 @@ class TetheredBodies {
     void measure_from_base(std::size_t body, State<D> const& state, Box<D> const& box, Constituents& near) const {
         for (std::size_t i = 0; i < sites_.size(); ++i) {
             Vector<D> ignored{};
-            near.arm[i] = state.position[first_id(body) + i] - bases[body].center;
+            near.arm[i] = position_of(state, first_id(body) + i) - bases[body].center;
             box.nearest_image(near.arm[i], ignored);
         }
     }
@@ -252,11 +260,13 @@ class TetheredBodies {
         for (std::size_t i = 0; i < sites_.size(); ++i) {
             Vector<D> const site = base.rotation.turn(sites_[i]);
             Vector<D> const spring = -stiffness_ * (near.arm[i] - site);
+            std::size_t const place = state.place[id + i];
+            Vector<D> const force = state.force[place];
             if (has_inertia()) {
-                base.force += state.force[id + i];
-                base.torque += cross(arms_ == TorqueArms::sites ? site : near.arm[i], state.force[id + i]);
+                base.force += force;
+                base.torque += cross(arms_ == TorqueArms::sites ? site : near.arm[i], force);
             }
-            state.force[id + i] += spring;
+            state.force.set(place, force + spring);
             for (std::size_t k = 0; k < D; ++k)
                 for (std::size_t l = 0; l < D; ++l) moment[k][l] += near.arm[i][k] * spring[l];
         }

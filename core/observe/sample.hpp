@@ -13,41 +13,12 @@
 
 #include "bodies/tethered.hpp"
 #include "box.hpp"
+#include "kernels/kernels.hpp"
+#include "observe/virial.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 
 namespace tether {
-
-// Sums over pairs of (force magnitude / distance) times the independent components of r_ij r_ij, a row for each of
-// the law's terms.
-template <int D>
-struct PairVirial {
-    static constexpr std::size_t components = D * (D + 1) / 2;
-    std::array<std::array<double, components>, 3> term{};
-
-    void add(Vector<D> const& separation, double conservative, double dissipative, double random) {
-        std::size_t c = 0;
-        for (std::size_t k = 0; k < D; ++k)
-            for (std::size_t l = k; l < D; ++l, ++c) {
-                double const product = separation[k] * separation[l];
-                term[0][c] += conservative * product;
-                term[1][c] += dissipative * product;
-                term[2][c] += random * product;
-            }
-    }
-    PairVirial& operator+=(PairVirial const& b) {
-        for (std::size_t t = 0; t < 3; ++t)
-            for (std::size_t c = 0; c < components; ++c) term[t][c] += b.term[t][c];
-        return *this;
-    }
-    Tensor<D> tensor(std::size_t t) const {
-        Tensor<D> full{};
-        std::size_t c = 0;
-        for (std::size_t k = 0; k < D; ++k)
-            for (std::size_t l = k; l < D; ++l, ++c) full[k][l] = full[l][k] = term[t][c];
-        return full;
-    }
-};
 
 template <int D>
 struct Sample {
@@ -91,51 +62,56 @@ struct Sample {
     }
 };
 
-// The kinetic part of a sample: everything that velocities alone tell.
+// How the bodies of one kind move, added to a sample.
 template <int D>
-void sample_motion(Sample<D>& sample, State<D> const& state, Box<D> const& box,
-                   std::vector<TetheredBodies<D>> const& bodies, std::size_t solvent, Team& team) {
-    struct Sums {
-        Tensor<D> flux{};
-        Vector<D> momentum{};
-        double solvent = 0.0, constituents = 0.0;
-    };
-    constexpr std::size_t block = 1024;
-    std::vector<Sums> sums((state.size() + block - 1) / block);
-    team.ranges(state.size(), block, [&](std::size_t begin, std::size_t end, std::size_t unit) {
-        Sums sum;
-        for (std::size_t i = begin; i < end; ++i) {
-            double const mass = state.mass(i);
-            Vector<D> velocity = state.velocity[i];
-            velocity[0] -= box.flow_velocity(state.position[i][1]);
-            (i < solvent ? sum.solvent : sum.constituents) += mass * dot(velocity, velocity);
-            for (std::size_t k = 0; k < D; ++k) {
-                sum.momentum[k] += mass * velocity[k];
-                for (std::size_t l = 0; l < D; ++l) sum.flux[k][l] += mass * velocity[k] * velocity[l];
-            }
-        }
-        sums[unit] = sum;
-    });
-    double const per_volume = -1.0 / box.volume();
-    for (Sums const& sum : sums) {
-        sample.thermal_solvent += sum.solvent;
-        sample.thermal_constituents += sum.constituents;
-        sample.momentum += sum.momentum;
-        for (std::size_t k = 0; k < D; ++k)
-            for (std::size_t l = 0; l < D; ++l) sample.kinetic[k][l] += per_volume * sum.flux[k][l];
-    }
-    for (TetheredBodies<D> const& kind : bodies)
-        for (std::size_t b = 0; b < kind.count(); ++b) {
+void sample_bodies(Sample<D>& sample, TetheredBodies<D> const& kind, State<D> const& state, Box<D> const& box,
+                   Team& team) {
+    constexpr std::size_t block = 32;
+    std::vector<Sample<D>> parts((kind.count() + block - 1) / block);
+    team.ranges(kind.count(), block, [&](std::size_t begin, std::size_t end, std::size_t unit) {
+        Sample<D> part;
+        for (std::size_t b = begin; b < end; ++b) {
             BodyMotion<D> const motion = kind.motion_of(b, state, box);
             Vector<D> velocity = motion.velocity;
             velocity[0] -= box.flow_velocity(motion.center[1]);
-            sample.thermal_translation += kind.body_mass() * dot(velocity, velocity);
-            sample.spin_energy += dot(motion.angular_momentum, motion.spin);
-            sample.spin += motion.spin;
-            sample.angular_momentum += motion.angular_momentum;
+            part.thermal_translation += kind.body_mass() * dot(velocity, velocity);
+            part.spin_energy += dot(motion.angular_momentum, motion.spin);
+            part.spin += motion.spin;
+            part.angular_momentum += motion.angular_momentum;
             for (std::size_t k = 0; k < axial<D>; ++k)
-                for (std::size_t l = 0; l < axial<D>; ++l) sample.inertia[k][l] += motion.inertia[k][l];
+                for (std::size_t l = 0; l < axial<D>; ++l) part.inertia[k][l] += motion.inertia[k][l];
         }
+        parts[unit] = part;
+    });
+    for (Sample<D> const& part : parts) {
+        sample.thermal_translation += part.thermal_translation;
+        sample.spin_energy += part.spin_energy;
+        sample.spin += part.spin;
+        sample.angular_momentum += part.angular_momentum;
+        for (std::size_t k = 0; k < axial<D>; ++k)
+            for (std::size_t l = 0; l < axial<D>; ++l) sample.inertia[k][l] += part.inertia[k][l];
+    }
+}
+
+// The kinetic part of a sample: everything that velocities alone tell.
+template <int D>
+void sample_motion(Sample<D>& sample, Kernels<D> const& kernels, State<D>& state, Box<D> const& box,
+                   std::vector<TetheredBodies<D>> const& bodies, std::size_t solvent, Team& team) {
+    constexpr std::size_t block = 1024;
+    std::vector<MotionSums<D>> sums((state.size() + block - 1) / block);
+    team.ranges(state.size(), block, [&](std::size_t begin, std::size_t end, std::size_t unit) {
+        kernels.motion(state.columns(), box.numbers(), static_cast<std::uint32_t>(solvent), sums[unit], begin, end);
+    });
+    double const per_volume = -1.0 / box.volume();
+    for (MotionSums<D> const& sum : sums) {
+        sample.thermal_solvent += sum.solvent;
+        sample.thermal_constituents += sum.constituents;
+        for (std::size_t k = 0; k < D; ++k) {
+            sample.momentum[k] += sum.momentum[k];
+            for (std::size_t l = 0; l < D; ++l) sample.kinetic[k][l] += per_volume * sum.flux[k][l];
+        }
+    }
+    for (TetheredBodies<D> const& kind : bodies) sample_bodies(sample, kind, state, box, team);
 }
 
 }  // namespace tether

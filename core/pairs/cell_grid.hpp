@@ -71,8 +71,9 @@ class CellGrid {
     std::vector<std::vector<std::size_t>> const& colors() const { return colors_; }
     std::vector<std::uint32_t> const& ids() const { return id_; }  // id of the particle at each place
 
-    // Sort by (cell, id).
-    void sort(std::vector<Vector<D>> const& position, Box<D> const& box, Team& team) {
+    // Sort by (cell, id).  Positions: whatever has size() and gives a Vector<D> for an id.
+    template <class Positions>
+    void sort(Positions const& position, Box<D> const& box, Team& team) {
         box_ = &box;
         std::size_t const n = position.size();
         cell_.resize(n);

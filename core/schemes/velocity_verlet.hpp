@@ -4,77 +4,78 @@
 //     F(t + dt)   = F(r(t + dt), v + lambda dt F/m)        the predicted velocity
 //     v(t + dt)   = v(t + dt/2) + dt/2 F(t + dt)/m
 // lambda = 1/2 predicts v(t + dt/2).  Without friction and noise this is velocity Verlet, of second order.
+//
+// All that happens to a particle between two evaluations of the forces is done to a block of particles before the next
+// block is fetched: memory is slower than arithmetic.
 #pragma once
 
 #include <atomic>
-#include <vector>
 
 #include "box.hpp"
+#include "kernels/kernels.hpp"
+#include "pairs/pair_forces.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 
 namespace tether {
 
-constexpr std::size_t particle_block = 1024;  // particles of one unit of work
+constexpr std::size_t particle_block = 512;  // particles of one unit of work
 
 template <int D>
-void kick(State<D>& state, double time, Team& team) {
-    team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) state.velocity[i] += (time / state.mass(i)) * state.force[i];
-    });
-}
+struct VelocityVerlet {
+    double timestep, lambda;
+    double runaway_speed;
 
-template <int D>
-void drift(State<D>& state, double time, Team& team) {
-    team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) state.position[i] += time * state.velocity[i];
-    });
-}
+    // Up to the forces of the step: `box` has advanced, `box_before` has not.  With `owes_kick` the step before ends here
+    // too.  False when a particle runs away; it and its block then stay where they are.
+    bool before_forces(bool owes_kick, State<D>& state, Box<D> const& box_before, Box<D> const& box, StepKey const& key,
+                       Kernels<D> const& kernels, PairForces<D>& pairs, Team& team) const {
+        Columns<D> const particles = state.columns();
+        BoxNumbers<D> const before = box_before.numbers(), now = box.numbers();
+        std::atomic<bool> is_well{true};
+        team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+            if (owes_kick) kernels.kick(particles, 0.5 * timestep, begin, end);
+            kernels.kick(particles, 0.5 * timestep, begin, end);
+            if (kernels.runaway(particles, before, runaway_speed, begin, end)) {
+                is_well = false;
+                return;
+            }
+            kernels.drift(particles, timestep, begin, end);
+            kernels.wrap(particles, now, begin, end);
+            pairs.note(particles, box, key, (lambda - 0.5) * timestep, begin, end);
+        });
+        return is_well;
+    }
 
-template <int D>
-void wrap(State<D>& state, Box<D> const& box, Team& team) {
-    team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) box.wrap(state.position[i], state.velocity[i]);
-    });
-}
-
-// Velocities v(t) + lambda dt F/m, from state.velocity = v(t + dt/2) and the forces of time t.
-template <int D>
-void predict(std::vector<Vector<D>>& predicted, State<D> const& state, double timestep, double lambda, Team& team) {
-    predicted.resize(state.size());
-    team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i)
-            predicted[i] = state.velocity[i] + ((lambda - 0.5) * timestep / state.mass(i)) * state.force[i];
-    });
-}
+    void after_forces(State<D>& state, Kernels<D> const& kernels, Team& team) const {
+        Columns<D> const particles = state.columns();
+        team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+            kernels.kick(particles, 0.5 * timestep, begin, end);
+        });
+    }
+};
 
 // Shorten velocities to at most `speed`; for a box at rest.
 template <int D>
-void limit(State<D>& state, double speed, Team& team) {
-    team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) {
-            double const square = dot(state.velocity[i], state.velocity[i]);
-            if (square > speed * speed) state.velocity[i] *= speed / std::sqrt(square);
-        }
-    });
+void limit(State<D>& state, double speed, std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+        Vector<D> const velocity = state.velocity[p];
+        double const square = dot(velocity, velocity);
+        if (square > speed * speed) state.velocity.set(p, (speed / std::sqrt(square)) * velocity);
+    }
 }
 
 // The lowest id of a particle that is not finite or moves (against the imposed flow) faster than `speed`; the number
 // of particles if none.
 template <int D>
-std::size_t find_runaway(State<D> const& state, Box<D> const& box, double speed, Team& team) {
-    std::atomic<std::size_t> lowest{state.size()};
-    team.ranges(state.size(), particle_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) {
-            Vector<D> velocity = state.velocity[i];
-            velocity[0] -= box.flow_velocity(state.position[i][1]);
-            if (dot(velocity, velocity) <= speed * speed) continue;  // false for what is not a number, too
-            std::size_t seen = lowest.load();
-            while (i < seen && !lowest.compare_exchange_weak(seen, i)) {}
-            break;
-        }
-    });
-    return lowest.load();
+std::size_t find_runaway(State<D> const& state, Box<D> const& box, double speed) {
+    for (std::size_t id = 0; id < state.size(); ++id) {
+        std::size_t const p = state.place[id];
+        Vector<D> velocity = state.velocity[p];
+        velocity[0] -= box.flow_velocity(state.position[p][1]);
+        if (!(dot(velocity, velocity) <= speed * speed)) return id;  // true for what is not a number, too
+    }
+    return state.size();
 }
 
 }  // namespace tether

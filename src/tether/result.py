@@ -34,6 +34,8 @@ class Performance:
     seconds: float
     particle_steps: float
     threads: int
+    instruction_set: str
+    """Of the pair loop; empty for the reference engine."""
 
     @property
     def particle_steps_per_second(self) -> float:
@@ -171,6 +173,9 @@ class Result:
                 "particle_steps_per_second": _finite(self.performance.particle_steps_per_second),
                 "seconds": self.performance.seconds,
                 "threads": self.performance.threads,
+                "engine": configuration.run.engine,
+                "precision": configuration.run.pair_precision,
+                "instruction_set": self.performance.instruction_set or None,
             },
             "state_sha256": self.state_sha256,
         }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tether.config import Configuration
-from tether.engines import instruction_set
+from tether.engines import mathematics
 from tether.errors import InputError
 from tether.files import trajectory
 from tether.files.checkpoint import Checkpoint
@@ -38,10 +38,10 @@ def resume(folder: Path, threads: int | None = None, more_steps: int = 0) -> tup
     remarks = []
     if checkpoint is not None:
         simulation.restore(checkpoint)
-        if checkpoint.instruction_set != instruction_set():
+        if checkpoint.mathematics != mathematics():
             remarks.append(
-                f"the checkpoint was written on {checkpoint.instruction_set}, this is {instruction_set()} (the run "
-                "goes on correctly, but not in the same bits)"
+                f"the checkpoint was written with {checkpoint.mathematics}, this is {mathematics()} (the run goes on "
+                "correctly; if it takes pow, log, sin or cos, perhaps not in the same bits)"
             )
     if not trajectory.is_readable(record.trajectory_path):
         aside = trajectory.set_aside(record.trajectory_path).name

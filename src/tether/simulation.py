@@ -6,7 +6,7 @@ import hashlib
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -62,6 +62,8 @@ class Simulation:
         timestep: float,
         seed: int = 0,
         verlet_lambda: float = 0.5,
+        engine: Literal["cpu", "reference"] = "cpu",
+        precision: Literal["mixed", "double"] | None = None,
         start: Start | None = None,
         output: Output | None = None,
         reference: Reference | None = None,
@@ -78,7 +80,13 @@ class Simulation:
                 bodies=tuple(bodies),
                 flow=flow or Rest(),
                 # How long it runs, `run` says; until then, long enough for one sample.
-                run=Run(timestep=timestep, steps=output.series or 1, verlet_lambda=verlet_lambda),
+                run=Run(
+                    timestep=timestep,
+                    steps=output.series or 1,
+                    verlet_lambda=verlet_lambda,
+                    engine=engine,
+                    precision=precision,
+                ),
                 start=start,
                 output=output,
                 reference=reference or Reference(),
@@ -282,7 +290,12 @@ class Simulation:
             series=series,
             freedom=self._freedom(),
             momentum_drift=float(drift),
-            performance=Performance(self._seconds, float(len(self.species)) * (self.step - self._begin), self.threads),
+            performance=Performance(
+                self._seconds,
+                float(len(self.species)) * (self.step - self._begin),
+                self.threads,
+                self.engine.instruction_set,
+            ),
             state_sha256=self.state_sha256,
         )
 
@@ -320,11 +333,13 @@ class Simulation:
             numbers={"step": engine.step, "begin": self._begin, "open_steps": self._open_steps},
             offset=engine.offset,
             seconds=self._seconds,
+            order=engine.order,
         )
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Stand exactly where the checkpoint was taken."""
         engine, arrays = self.engine, checkpoint.arrays
+        engine.order = checkpoint.order
         engine.position, engine.velocity, engine.force = (arrays[name] for name in ("position", "velocity", "force"))
         engine.bases = arrays["bases"]
         engine.offset = checkpoint.offset

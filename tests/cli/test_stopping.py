@@ -18,7 +18,8 @@ from small_runs import Running, assert_one_sentence, assert_same_run, frames, na
 from tether.record import Record
 
 # Long enough to be stopped on the way: two seconds or so of an idle processor.
-LONG = ["--set", "run.equilibration=10000", "--set", "run.steps=20000"]
+EQUILIBRATION, END = 40000, 100000
+LONG = ["--set", f"run.equilibration={EQUILIBRATION}", "--set", f"run.steps={END - EQUILIBRATION}"]
 
 
 @pytest.fixture(scope="module")
@@ -54,8 +55,8 @@ def test_a_signal_stops_a_run_which_goes_on_in_the_same_bits(
     outcome = running.end()
     assert time.monotonic() - began < 3.0, "about a second, on a machine with nothing else to do"
     step = checkpointed_step(out)
-    assert (step < 10000) == (phase == "equilibrating")
-    assert step < 30000
+    assert (step < EQUILIBRATION) == (phase == "equilibrating")
+    assert step < END
     assert (outcome.code, outcome.err) == (code, f"stopped at step {step}; go on with: tether resume {out}\n")
     if phase == "measuring":
         assert tether("plot", out).code == 0
@@ -69,18 +70,26 @@ def test_a_signal_stops_a_run_which_goes_on_in_the_same_bits(
         assert_same_run(out, uninterrupted)
 
 
+def let_write(running: Running, checkpoint: Path, times: int) -> None:
+    """Wait until the checkpoint has been written so many times more, or the run has ended."""
+    seen: set[int] = set()
+    while len(seen) <= times and running.is_alive:
+        if checkpoint.exists():
+            seen.add(checkpoint.stat().st_mtime_ns)
+        time.sleep(0.001)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_at_any_moment_a_run_goes_on_in_the_same_bits(tmp_path: Path, run_often: Path, seed: int) -> None:
-    """Checkpoints are written all the time here, so that many a kill falls into one."""
+    """Checkpoints are written all the time here, so that many a kill falls into one. The whole run writes a hundred."""
     draw = random.Random(seed)
     out = tmp_path / "out"
     arguments: Sequence[object] = ("run", write_couette(tmp_path), "--out", out, "--quiet", *OFTEN)
     kills = 0
-    for attempt in range(8):
+    for _ in range(8):
         running = Running(tmp_path / "log", *arguments)
-        if attempt == 0:
-            running.wait_for((out / "config.toml").exists)
-        time.sleep(draw.uniform(0.0, 0.6))
+        let_write(running, out / "checkpoint.h5", draw.randrange(15))
+        time.sleep(draw.uniform(0.0, 0.02))
         running.send(signal.SIGKILL)
         outcome = running.end()
         if outcome.code == 0:
@@ -96,9 +105,9 @@ def test_killed_at_any_moment_a_run_goes_on_in_the_same_bits(tmp_path: Path, run
 
 
 def test_a_start_that_takes_long_is_stopped_at_once_too(tmp_path: Path) -> None:
-    """Fifty thousand particles need several seconds to be placed."""
+    """A million gentle steps of fifty thousand particles take an hour or more."""
     out = tmp_path / "out"
-    large = ["--set", "box.size=[25.0, 25.0, 20.0]", "--set", "bodies=[]"]
+    large = ["--set", "box.size=[25.0, 25.0, 20.0]", "--set", "bodies=[]", "--set", "start.gentle_steps=1000000"]
     running = Running(tmp_path / "log", "run", write_couette(tmp_path), "--out", out, *large)
     time.sleep(1.5)
     assert running.is_alive

@@ -27,11 +27,11 @@ def angular_momentum(made, center):
     )
 
 
-def pair_of_bodies(sites, base):
+def pair_of_bodies(sites, base, seed=4):
     """Two bodies within reach of each other, alone in a large box, spinning and jostled by friction and noise."""
     dimension = sites.shape[1]
     generator = np.random.default_rng(5)
-    made = engine([40.0] * dimension, [1] * 2 * len(sites), kinds=[Kind(sites, 2, base)], timestep=0.005, seed=4)
+    made = engine([40.0] * dimension, [1] * 2 * len(sites), kinds=[Kind(sites, 2, base)], timestep=0.005, seed=seed)
     apart = np.zeros(dimension)
     apart[:2] = 0.2, 0.1
     made.position = np.concatenate([20.0 + sites + apart, 20.0 + sites - apart])
@@ -42,19 +42,21 @@ def pair_of_bodies(sites, base):
 
 @pytest.mark.parametrize("sites", [square, cube], ids=["2D", "3D"])
 def test_angular_momentum_of_two_bodies(sites):
-    """Conserved to 1e-10 with friction and noise on, while each body's own changes."""
-    made = pair_of_bodies(sites, "massless")
+    """Conserved to 1e-10 with friction and noise on, while each body's own changes. They fly apart in the end, so there
+    are six encounters; which of them passes over most depends on the noise.
+    """
     center = np.full(sites.shape[1], 20.0)
-    own = angular_momentum(made, center)
-    moved, wrong = 0.0, 0.0
-    for _ in range(50):
-        made.run(20)
-        now = angular_momentum(made, center)
-        moved = max(moved, np.abs(now - own).max())
-        wrong = max(wrong, np.abs(now.sum(axis=0) - own.sum(axis=0)).max())
-    assert (np.abs(made.position - 20.0) < 19.0).all()
-    assert moved > 0.5
-    assert wrong < 1e-10
+    moved = []
+    for seed in range(6):
+        made = pair_of_bodies(sites, "massless", seed)
+        own = angular_momentum(made, center)
+        for _ in range(20):
+            made.run(20)
+            now = angular_momentum(made, center)
+            moved.append(np.abs(now - own).max())
+            assert np.abs(now.sum(axis=0) - own.sum(axis=0)).max() < 1e-10
+        assert (np.abs(made.position - 20.0) < 19.0).all()
+    assert max(moved) > 0.5
 
 
 @pytest.mark.parametrize("sites", [square, cube], ids=["2D", "3D"])

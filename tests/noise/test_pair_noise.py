@@ -1,6 +1,7 @@
 """Pair noise: the generator's known answers, what is drawn from its words, and the statistics of the draws.
 
-One function screens a source of noise; the same function must turn down three bad hashes of the same inputs.
+One function screens a source of noise; the same function must turn down three bad hashes of the same inputs, and the
+sums of particles' words that are not stirred.
 """
 
 from __future__ import annotations
@@ -77,12 +78,36 @@ def philox_4x32(counter: list[int], key: list[int]) -> list[int]:
     return c
 
 
+def stirred(x: int) -> int:
+    """Written from its author's page (nullprogram.com/blog/2018/07/31), in Python's integers."""
+    for shift, multiplier in ((16, 0x21F0AAAD), (15, 0xD35A2D97)):
+        x = ((x ^ (x >> shift)) * multiplier) & mask
+    return x ^ (x >> 15)
+
+
 @given(seed=long_word, step=long_word, i=word, j=word)
-def test_words_are_philox_under_the_key_of_the_step(seed, step, i, j):
-    """All 64 bits of seed and step count: seed in the key, step in the counter."""
+def test_words_are_stirred_sums_of_philox_under_the_key_of_the_step(seed, step, i, j):
+    """All 64 bits of seed and step count: seed in the key, step in the counter. The first word of each particle's
+    Philox under that key; their sum, stirred; and that stirred once more, a golden ratio further.
+    """
     key = philox_4x32([step & mask, step >> 32, 0, 0], [seed & mask, seed >> 32])
-    wanted = philox_2x32(min(i, j) ^ key[2], max(i, j) ^ key[3], key[0])
+    total = sum(philox_2x32(one ^ key[2], key[3], key[0])[0] for one in (i, j)) & mask
+    first = stirred(total)
+    wanted = (first, stirred((first + 0x9E3779B9) & mask))
     assert tuple(_core.noise_words(seed, step, ids(i), ids(j))[0]) == wanted
+
+
+def test_stirring_is_one_to_one():
+    """Each of its steps can be undone: shifts by more than half a word at once, the shift by 15 in three, odd
+    multipliers by their inverses.
+    """
+    generator = np.random.default_rng(3)
+    for x in map(int, generator.integers(0, 2**32, 1000)):
+        back = stirred(x)
+        for shift, multiplier in ((15, 0xD35A2D97), (15, 0x21F0AAAD), (16, 1)):
+            back ^= (back >> shift) ^ (back >> 2 * shift)
+            back = back * pow(multiplier, -1, 2**32) & mask
+        assert back == x
 
 
 # What is drawn from the words
@@ -169,7 +194,21 @@ def screen(draw: Draw, kind: str, seed: int = 20) -> list[str]:
     a, b, c = draw(seed, 7, i, j), draw(seed, 7, i, k), draw(seed, 7, j, k)
     for name, (first, second) in {"ij, ik": (a, b), "ij, jk": (a, c), "ik, jk": (b, c)}.items():
         uncorrelated(f"of pairs {name}", first, second)
+    # closed loops, whose sums of words are bound to each other: w_ij - w_jk + w_kl - w_li = 0 around four particles
+    m = n[::-1] + 3_000_000
     compare("triangle", a * b * c, 0.0, 1.0)
+    around = (a, c, draw(seed, 7, k, m), draw(seed, 7, m, i))
+    compare("loop of four", math.prod(around), 0.0, 1.0)
+    for name, loop in {"triangle": (a, b, c), "loop of four": around}.items():
+        centered = [each**2 - 1.0 for each in loop]
+        compare(f"squares around the {name}", math.prod(centered), 0.0, spread_of_square ** len(loop))
+        for one in range(len(loop)):  # one noise with the squares of the others, and its square with the others
+            others, squares = [*loop[:one], *loop[one + 1 :]], centered[:one] + centered[one + 1 :]
+            variance = spread_of_square ** len(squares)
+            compare(f"number {one} with squares around the {name}", loop[one] * math.prod(squares), 0.0, variance)
+            compare(f"square {one} around the {name}", centered[one] * math.prod(others), 0.0, spread_of_square)
+    turns = around[0] - around[1] + around[2] - around[3]
+    compare("sum around the loop of four", turns**2, 4.0, 4.0 * moment(kind, 4) + 20.0)
     # the whole force on one particle: the sum over its partners must have their number as variance
     partners = np.arange(1, 33, dtype=np.uint32)
     sums = np.array([draw(seed, 7, np.full_like(partners, 100 * m), 100 * m + partners).sum() for m in range(3000)])
@@ -203,6 +242,17 @@ def sum_of_seed_and_step(seed: int, step: int, i: NDArray[np.uint32], j: NDArray
     return _core.noise_words(seed + step, 0, i, j)[:, 0].astype(np.uint64)
 
 
+def plain_sum(seed: int, step: int, i: NDArray[np.uint32], j: NDArray[np.uint32]) -> NDArray[np.uint64]:
+    """The sum of the particles' words as it is, without stirring: independent but around loops."""
+    key = philox_4x32([step & mask, step >> 32, 0, 0], [seed & mask, seed >> 32])
+    left, right = np.stack([i, j]).astype(np.uint64) ^ np.uint64(key[2]), np.uint64(key[3])
+    for turn in range(10):
+        product = np.uint64(0xD256D193) * left
+        left = (product >> np.uint64(32)) ^ np.uint64((key[0] + turn * 0x9E3779B9) & mask) ^ right
+        right = product & np.uint64(mask)
+    return left.sum(axis=0) & np.uint64(mask)
+
+
 @pytest.mark.parametrize("kind", ["uniform", "gaussian"])
 @pytest.mark.parametrize("seed", [20, 2**40 + 20])
 def test_noise_passes_the_screen(kind, seed):
@@ -210,10 +260,25 @@ def test_noise_passes_the_screen(kind, seed):
     assert screen(lambda s, t, i, j: _core.pair_noise(s, t, i, j, kind), kind, seed) == []
 
 
+def test_the_plain_sum_is_what_gets_stirred():
+    """The control below differs from the noise by the stirring alone."""
+    i, j = ids(3, 70, 0, 2**32 - 1), ids(5, 6, 1, 9)
+    words = _core.noise_words(20, 7, i, j)[:, 0]
+    assert [stirred(int(total)) for total in plain_sum(20, 7, i, j)] == list(words)
+
+
 @pytest.mark.parametrize("kind", ["uniform", "gaussian"])
 @pytest.mark.parametrize("bad", [congruential, sum_of_ids, sum_of_seed_and_step])
 def test_bad_hashes_fail_the_screen(bad, kind):
     assert screen(lambda s, t, i, j: from_words(bad(s, t, i, j), kind), kind)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "gaussian"])
+def test_only_loops_tell_that_sums_are_not_stirred(kind):
+    """The fourth bad hash, and what the comparisons around loops are for: all others take plain sums for good noise."""
+    accusations = screen(lambda s, t, i, j: from_words(plain_sum(s, t, i, j), kind), kind)
+    assert any("loop of four" in accusation for accusation in accusations)
+    assert [accusation for accusation in accusations if "loop" not in accusation and "triangle" not in accusation] == []
 
 
 def test_right_noise_of_the_wrong_kind_fails_the_screen():

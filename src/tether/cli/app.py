@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -14,12 +15,14 @@ from typing import Annotated
 import numpy as np
 import typer
 from rich.console import Console
+from rich.table import Table
 
 from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
 from tether.cli.table import table
 from tether.config import Configuration, Source, json_schema, template
 from tether.drive import Stopped, drive
+from tether.engines import instruction_set, instruction_sets, mathematics
 from tether.errors import InputError, TetherError
 from tether.files.trajectory import velocity_profile
 from tether.record import Record
@@ -200,6 +203,21 @@ def init(
         reason = (error.strerror or str(error)).lower()
         raise InputError(f"{path} cannot be written", reason, "name another file") from None
     print(f"Wrote {path}; run it with: tether run {path}")
+
+
+@app.command()
+def info() -> None:
+    """Print the version, the engine, its instruction set and threads."""
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    sets = ", ".join(
+        f"{name}{'' if is_here else ' (not on this processor)'}" for name, is_here in instruction_sets().items()
+    )
+    table.add_row("tether", __version__)
+    table.add_row("engine", "cpu; mixed precision, double on request (run.precision)")
+    table.add_row("instruction set", f"{instruction_set()}, of {sets}")
+    table.add_row("threads", f"{len(os.sched_getaffinity(0))}, one for each 4000 particles")
+    table.add_row("mathematics", mathematics())
+    Console(highlight=False).print(table, soft_wrap=True)
 
 
 @app.command()

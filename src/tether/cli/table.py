@@ -36,7 +36,10 @@ def table(summary: dict[str, Any]) -> Table:
     threads = f"{performance['threads']} thread{'s' if performance['threads'] > 1 else ''}"
     if performance["particle_steps_per_second"] is not None:
         speed = performance["particle_steps_per_second"] / 1e6
-        rows.add_row("speed", f"{speed:.2f}", "", f"million particle-steps/s on {threads}")
+        engine = performance["instruction_set"] or "the reference engine"
+        rows.add_row(
+            "speed", f"{speed:.2f}", "", f"million particle-steps/s on {threads}, {engine}, {performance['precision']}"
+        )
     rows.add_row("state", summary["state_sha256"][:12], "", "SHA-256 of the final state, beginning")
     return rows
 

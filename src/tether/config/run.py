@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -46,6 +46,34 @@ class Run(Model):
         description="Parameter lambda of the modified velocity Verlet scheme of Groot & Warren, a pure "
         "number. It predicts the velocities that the dissipative force is calculated with.",
     )
+
+    engine: Literal["cpu", "reference"] = Field(
+        default="cpu",
+        examples=["cpu"],
+        description="What computes the pairs: cpu, with the widest vector instructions that the processor has, or "
+        "reference, one pair after the other, to check the other one by.",
+    )
+    precision: Literal["mixed", "double"] | None = Field(
+        default=None,
+        examples=["mixed"],
+        json_schema_extra={"default": "mixed"},
+        description="Precision of the arithmetic within a pair: mixed (single precision there, everything else in "
+        "double; momentum is conserved exactly) or double. The reference has only double.",
+    )
+
+    @model_validator(mode="after")
+    def _precision_of_engine(self) -> Self:
+        if self.engine == "reference" and self.precision == "mixed":
+            raise ValueError(
+                'precision = "mixed" does not go with engine = "reference" (it computes in double precision only); '
+                "leave precision out"
+            )
+        return self
+
+    @property
+    def pair_precision(self) -> Literal["mixed", "double"]:
+        """The precision as given, or that of the engine."""
+        return self.precision or ("double" if self.engine == "reference" else "mixed")
 
     @model_validator(mode="after")
     def _one_length(self) -> Self:

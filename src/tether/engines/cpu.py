@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tether import _core
 from tether.config import Configuration
+from tether.errors import InputError
 from tether.shapes import Shape
 
 CpuEngine: TypeAlias = _core.CpuEngine2 | _core.CpuEngine3
@@ -19,19 +20,46 @@ CpuEngine: TypeAlias = _core.CpuEngine2 | _core.CpuEngine3
 _PARTICLES_PER_THREAD = 4000
 """A thread with fewer waits for the others longer than it works."""
 
+INSTRUCTION_SET_VARIABLE = "TETHER_INSTRUCTION_SET"
+"""The environment variable that names the instruction set to use; the widest that the processor has, without it."""
+
 
 def default_threads(particles: int) -> int:
     """A thread for each 4000 particles, up to the processors that this process may use."""
     return max(1, min(len(os.sched_getaffinity(0)), particles // _PARTICLES_PER_THREAD))
 
 
-def instruction_set() -> str:
-    """What equal bits are promised on: what the engine was compiled for, and the C library's mathematics.
+def instruction_sets() -> dict[str, bool]:
+    """The instruction sets that the CPU engine was built for, the widest first, and whether this processor has them."""
+    return dict(_core.instruction_sets())
 
-    pow, log, cos and sin (exponents other than 1/2 and 2, Gaussian noise, turning Newton-Euler bases) are the C
-    library's, which chooses among its versions of them by whether the processor has fused multiply-add.
+
+def instruction_set() -> str:
+    """The instruction set that the CPU engine uses. Raises InputError when there is none, or not the one asked for."""
+    here = [name for name, is_here in instruction_sets().items() if is_here]
+    asked = os.environ.get(INSTRUCTION_SET_VARIABLE) or None  # empty is unset
+    if asked is not None and asked not in here:
+        raise InputError(
+            f"{INSTRUCTION_SET_VARIABLE} = {asked} cannot be used",
+            f"this build on this processor has {', '.join(here) or 'none'}",
+            "unset it to use the widest" if here else "unset it",
+        )
+    if not here:
+        raise InputError(
+            "the CPU engine cannot run on this processor",
+            f"it was built for {', '.join(instruction_sets())}",
+            'use run.engine = "reference"',
+        )
+    return asked or here[0]
+
+
+def mathematics() -> str:
+    """What the bits of pow, log, cos and sin depend on: the C library and which of its versions of them it chooses.
+
+    They are taken for exponents other than 1/2 and 2, for Gaussian noise, and to turn Newton-Euler bases. All else has
+    the same bits on every processor.
     """
-    return f"{platform.machine()} baseline, {' '.join(platform.libc_ver())}{', fma' if _has_fma() else ''}"
+    return f"{' '.join(platform.libc_ver())}{', fma' if _has_fma() else ''}"
 
 
 def _has_fma() -> bool:
@@ -81,6 +109,9 @@ def cpu_engine(configuration: Configuration, threads: int) -> CpuEngine:
         seed=configuration.seed,
         species_mass=[fluid.mass, *(bodies.mass for bodies in configuration.bodies)],
         species=np.repeat(np.arange(len(particles), dtype=np.uint8), particles),
+        pairs="reference" if configuration.run.engine == "reference" else "packed",
+        precision=configuration.run.pair_precision,
+        instruction_set="" if configuration.run.engine == "reference" else instruction_set(),
         threads=threads,
     )
     first = configuration.solvent_count

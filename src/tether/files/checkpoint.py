@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tether.config import Configuration
-from tether.engines import instruction_set
+from tether.engines import mathematics
 from tether.errors import InputError
 from tether.files.whole import whole
 from tether.version import __version__
 
 _MARK = b"tether checkpoint, HDF5 from byte 512, sha256 of that: "
 _USER_BLOCK = 512  # HDF5's smallest
-_FORMAT_VERSION = 2
+_FORMAT_VERSION = 3
 _REMEDY = "resume from another checkpoint, or run the configuration again"
 
 
@@ -39,14 +39,16 @@ class Checkpoint:
     """Offset of the sheared box, length."""
     seconds: float
     """Wall-clock time so far."""
-    instruction_set: str = ""
+    order: NDArray[np.uint32]
+    """Ids in the order that particles have in memory, which sums depend on."""
+    mathematics: str = ""
 
     def write(self, path: Path) -> None:
         """Write to `path`, which holds either the former checkpoint or this one at any moment. Raises OSError."""
         attributes = {
             "format_version": _FORMAT_VERSION,
             "version": __version__,
-            "instruction_set": instruction_set(),
+            "mathematics": mathematics(),
             "configuration": self.configuration.to_toml(),
             "offset": self.offset,
             "seconds": self.seconds,
@@ -56,7 +58,7 @@ class Checkpoint:
         made = io.BytesIO()
         with h5py.File(made, "w", userblock_size=_USER_BLOCK) as file:
             file.attrs.update(attributes)
-            for name, array in self.arrays.items():
+            for name, array in {**self.arrays, "order": self.order}.items():
                 file.create_dataset(name, data=array)
         contents = made.getbuffer()[_USER_BLOCK:]
         with whole(path) as temporary, temporary.open("wb") as plain:
@@ -79,6 +81,7 @@ class Checkpoint:
             attributes = {name: _plain(value) for name, value in file.attrs.items()}
             arrays = {name: file[name][()] for name in file}
         version = attributes["version"]
+        order = arrays.pop("order", np.empty(0, dtype=np.uint32))
         if version != __version__ or attributes["format_version"] != _FORMAT_VERSION:
             raise InputError(
                 f"{path} was written by tether {version}, in format {attributes['format_version']}",
@@ -91,7 +94,8 @@ class Checkpoint:
             numbers={name: attributes[name] for name in ("step", "begin", "open_steps")},
             offset=attributes["offset"],
             seconds=attributes["seconds"],
-            instruction_set=attributes["instruction_set"],
+            order=order,
+            mathematics=attributes["mathematics"],
         )
 
 
