@@ -1,1 +1,1 @@
-"""How fast tether is: `python -m benchmarks`."""
+"""How fast tether is, and how fast LAMMPS is on the same particles: `python -m benchmarks`."""
