@@ -46,7 +46,7 @@ int main(int count, char** arguments) {
                 block[filled] = cheap_hash(start, start, i++, j);
                 continue;
             }
-            block[filled] = tether::pair_bits(key, std::min(i, j), std::max(i, j));
+            block[filled] = tether::pair_bits(tether::particle_word(key, i) + tether::particle_word(key, j));
             if (walk == "i") ++i;
             if (walk == "j") ++j;
             if (walk == "step") key = tether::step_key(seed, ++step, tether::Stream::run);
