@@ -63,7 +63,7 @@ def test_a_terminal_shows_rate_time_left_and_running_means(tmp_path: Path, monke
 def test_a_terminal_shows_a_run_whose_first_sample_is_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shown, "_SECONDS_BETWEEN_MEANS", 0.01)
     config = write_couette(tmp_path, [("equilibration = 40", "equilibration = 0")])
-    options = ["--set", "run.steps=6000", "--set", "output.series=6000"]
+    options = ["--set", "run.steps=60000", "--set", "output.series=60000"]
     text = run_in_terminal(["run", str(config), "--out", str(tmp_path / "out"), *options], monkeypatch)
     assert re.search(r"measuring .* M particle-steps/s +kT \d\.\d+", text)
     assert "Results: " in text
