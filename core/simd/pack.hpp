@@ -34,36 +34,10 @@ constexpr int register_bytes = 16;
 template <class T, int N>
 using Lanes [[gnu::vector_size(N * sizeof(T))]] = T;
 
-template <class T>
-struct MaskOf;
-template <>
-struct MaskOf<float> {
-    using type = std::int32_t;
-};
-template <>
-struct MaskOf<std::int32_t> {
-    using type = std::int32_t;
-};
-template <>
-struct MaskOf<std::uint32_t> {
-    using type = std::int32_t;
-};
-template <>
-struct MaskOf<double> {
-    using type = std::int64_t;
-};
-template <>
-struct MaskOf<std::int64_t> {
-    using type = std::int64_t;
-};
-template <>
-struct MaskOf<std::uint64_t> {
-    using type = std::int64_t;
-};
-
 template <class T, int N>
 struct Pack {
-    using Mask = Lanes<typename MaskOf<T>::type, N>;  // each lane all ones or all zeros
+    using Mask =
+        Lanes<std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>, N>;  // each lane all ones or all zeros
     Lanes<T, N> lanes;
 
     Pack() = default;
