@@ -55,6 +55,35 @@ def turn(generator: np.random.Generator, dimension: int) -> Array:
     return q
 
 
+# Places
+
+places = ("anywhere", "clumps", "faces", "points")
+
+
+def scattered(generator: np.random.Generator, kind: str, count: int, size: Sequence[float], cutoff: float) -> Array:
+    """Positions inside the box where a pair loop may stumble: anywhere, in clumps, on the faces of the rows and bins
+    that it cuts the box into (and a rounding off), on few points.
+    """
+    length = np.asarray(size, dtype=float)
+    shape = (count, len(length))
+    if kind == "anywhere":
+        position = generator.random(shape) * length
+    elif kind == "clumps":
+        centers = generator.random((3, len(length))) * length
+        position = centers[generator.integers(0, 3, count)] + 0.3 * cutoff * generator.standard_normal(shape)
+    elif kind == "faces":
+        rows = length / np.maximum(3, np.floor(length / cutoff))
+        bins = length / np.maximum(12, np.floor(4.0 * length / cutoff))
+        width = np.where(generator.random(shape) < 0.5, rows, bins)
+        position = generator.integers(0, 60, shape) * width
+        position = np.nextafter(position, generator.choice([-math.inf, math.inf], shape))
+        position = np.where(generator.random(shape) < 0.5, position, generator.random(shape) * length)
+    else:
+        position = generator.integers(0, 5, shape) / 5.0 * length
+    position = np.mod(position, length)
+    return np.where(position < length, position, 0.0)
+
+
 # Engines
 
 

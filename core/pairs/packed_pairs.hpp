@@ -7,8 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <memory>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 

@@ -2,40 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from suspensions import engine, every_pair
-
-# Particles that each test knows where to put
-
-
-def scattered(generator, kind, count, size, cutoff):
-    """Positions inside the box: anywhere, in clumps, on the faces of the bins (and a rounding off), on few points."""
-    length = np.asarray(size, dtype=float)
-    shape = (count, len(length))
-    if kind == "anywhere":
-        position = generator.random(shape) * length
-    elif kind == "clumps":
-        centers = generator.random((3, len(length))) * length
-        position = centers[generator.integers(0, 3, count)] + 0.3 * cutoff * generator.standard_normal(shape)
-    elif kind == "faces":
-        rows = length / np.maximum(3, np.floor(length / cutoff))
-        bins = length / np.maximum(12, np.floor(4.0 * length / cutoff))
-        width = np.where(generator.random(shape) < 0.5, rows, bins)
-        position = generator.integers(0, 60, shape) * width
-        position = np.nextafter(position, generator.choice([-math.inf, math.inf], shape))
-        position = np.where(generator.random(shape) < 0.5, position, generator.random(shape) * length)
-    else:
-        position = generator.integers(0, 5, shape) / 5.0 * length
-    position = np.mod(position, length)
-    return np.where(position < length, position, 0.0)
-
-
-kinds = ("anywhere", "clumps", "faces", "points")
+from suspensions import engine, every_pair, places, scattered
 
 
 def forces(position, size, shear_rate, offset, cutoff, precision, **options):
@@ -86,7 +57,7 @@ def compare(position, size, shear_rate, offset, cutoff, precision, brute=None, *
 @settings(max_examples=400)
 @given(
     dimension=st.sampled_from([2, 3]),
-    kind=st.sampled_from(kinds),
+    kind=st.sampled_from(places),
     cutoff=st.sampled_from([1.0, 0.7, 1.1, 1.3]),
     sides=st.tuples(*[st.one_of(st.sampled_from([3.0, 4.0, 5.0, 6.0]), st.floats(3.0, 9.0))] * 3),
     share=st.one_of(st.sampled_from([0.0, 0.5, 1.0 / 3.0]), st.floats(0.0, 1.0, exclude_max=True)),
@@ -103,7 +74,7 @@ def test_forces_are_brute_forces(dimension, kind, cutoff, sides, share, shear_ra
 @pytest.mark.parametrize("precision", ["mixed", "double"])
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("shear_rate", [-0.5, 0.5])
-@pytest.mark.parametrize("kind", kinds)
+@pytest.mark.parametrize("kind", places)
 def test_narrowest_box_at_every_offset(dimension, shear_rate, kind, precision):
     """Exactly three cutoffs wide, where every row is a neighbor of every other, at offsets all around the period."""
     generator = np.random.default_rng(7)
