@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from scipy.integrate import quad
 
@@ -47,3 +48,13 @@ def test_sound_speed_from_pressure():
         math.sqrt(15.34)
     )
     assert math.isnan(eos.sound_speed_from_pressure(pressure=-50.0, density=4.0, temperature=1.0))
+
+
+def test_arrays_go_through():
+    fluid = {"temperature": np.array([[1.0], [0.5]]), "repulsion": 18.75, "dimension": 3}
+    for formula in (eos.pressure, eos.sound_speed):
+        assert isinstance(formula(density=4.0, temperature=1.0, repulsion=18.75, dimension=3), float)
+        many = formula(density=np.array([3.0, 4.0, 5.0]), **fluid)
+        assert many[1, 1] == formula(density=4.0, temperature=0.5, repulsion=18.75, dimension=3)
+    speeds = eos.sound_speed_from_pressure(pressure=np.array([32.0, -100.0]), density=4.0, temperature=1.0)
+    np.testing.assert_array_equal(np.isnan(speeds), [False, True])

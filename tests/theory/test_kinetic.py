@@ -126,3 +126,41 @@ def test_kinetic_viscosity_of_particles_under_drag(dimension):
     warm = kinetic.viscosity(temperature=temperature, mass=mass, **fluid)
     cold = kinetic.viscosity(temperature=1e-12, mass=mass, **fluid)
     assert stress_xy / rate == pytest.approx(warm - cold, rel=1e-6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("exponent", [0.25, 0.5, 2.0, 3.3])
+def test_closed_forms_of_the_documentation(dimension, exponent):
+    """docs/theory/fluid.md: products of s + 1, s + 2, ... in place of the beta function."""
+    density, friction, temperature, cutoff, mass = 3.7, 2.9, 0.6, 1.3, 1.7
+    s = exponent
+    if dimension == 2:
+        spreading = temperature * (s + 1) * (s + 2) / (math.pi * density * friction * cutoff**2)
+        dissipative = 0.75 * math.pi * friction * density**2 * cutoff**4 / math.prod(s + k for k in range(1, 5))
+    else:
+        spreading = 3 * temperature * (s + 1) * (s + 2) * (s + 3) / (8 * math.pi * density * friction * cutoff**3)
+        dissipative = 3.2 * math.pi * friction * density**2 * cutoff**5 / math.prod(s + k for k in range(1, 6))
+    fluid = {"density": density, "friction": friction, "temperature": temperature, "cutoff": cutoff}
+    assert kinetic.diffusivity(dimension=dimension, exponent=s, **fluid) == pytest.approx(spreading, rel=1e-12)
+    assert kinetic.viscosity(dimension=dimension, exponent=s, mass=mass, **fluid) == pytest.approx(
+        0.5 * mass * density * spreading + dissipative, rel=1e-12
+    )
+
+
+def test_arrays_go_through():
+    """Each element as if alone; numbers give numbers."""
+    temperatures, exponents = np.array([[1.0], [0.5]]), np.array([0.5, 1.0, 2.0])
+    fluid = {"density": 4.0, "friction": 9.0 / (2.0 * temperatures), "temperature": temperatures, "dimension": 3}
+    for formula in (kinetic.viscosity, kinetic.diffusivity):
+        many = formula(exponent=exponents, **fluid)
+        assert many.shape == (2, 3)
+        one = formula(density=4.0, friction=9.0, temperature=0.5, dimension=3, exponent=2.0)
+        assert isinstance(one, float)
+        assert many[1, 2] == pytest.approx(one, rel=1e-14)
+
+
+def test_size_of_a_solvent_particle_saturates():
+    """Table 2's a_eff = kT/(6 pi eta D): as kT falls at fixed noise it tends to (1/6 pi)(165/8 n), not to infinity."""
+    cold = {"density": 4.0, "friction": 9.0 / 2e-4, "temperature": 1e-4, "dimension": 3, "exponent": 0.5}
+    radius = 1e-4 / (6.0 * math.pi * kinetic.viscosity(**cold) * kinetic.diffusivity(**cold))
+    assert radius == pytest.approx(165.0 / (6.0 * math.pi * 8.0 * 4.0), rel=1e-4)

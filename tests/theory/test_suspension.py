@@ -106,6 +106,27 @@ def test_quemada_is_krieger_dougherty_with_power_two():
     np.testing.assert_allclose(suspension.quemada(phi, packing), suspension.krieger_dougherty(phi, 3, packing))
 
 
+@pytest.mark.parametrize(("case", "coefficient"), [("brownian", 6.2), ("hydrodynamic", 5.2), ("extension", 7.6)])
+def test_batchelor(case, coefficient):
+    """Einstein's slope, then the stated second order; arrays too."""
+    assert suspension.batchelor(0.1, case) == pytest.approx(1.25 + 0.01 * coefficient)
+    phi = np.array([0.0, 1e-4, 1e-3])
+    second = suspension.batchelor(phi, case) - suspension.einstein(phi, 3)
+    np.testing.assert_allclose(second, coefficient * phi**2, atol=1e-15)
+
+
+def test_batchelor_s_cases():
+    """At rest unless told; no others. Brownian stress and the lack of Brownian motion both add to the viscosity."""
+    assert suspension.batchelor(0.05) == suspension.batchelor(0.05, "brownian")
+    assert (
+        suspension.batchelor(0.05, "hydrodynamic")
+        < suspension.batchelor(0.05)
+        < suspension.batchelor(0.05, "extension")
+    )
+    with pytest.raises(ValueError, match="choose one of brownian, hydrodynamic, extension"):
+        suspension.batchelor(0.05, "shear")
+
+
 def test_jammed():
     curve = suspension.krieger_dougherty(np.array([0.6, 0.65, 0.7]), 3)
     assert math.isfinite(curve[0])

@@ -7,53 +7,56 @@ doi 10.1063/1.474784, have w_D = (1 - r/r_c)^2 in 3D. Here the exponent s > 0 an
     [r^k w] = integral of r^k w_D(r) over the d-dimensional ball = S_d r_c^(d + k) Beta(d + k, s + 1)
 
 with S_2 = 2 pi and S_3 = 4 pi. Repulsion raises the viscosity (the paper's fluid in 3D: by 5 % at kT = 1, by
-12 % at 0.25) and there the diffusivity too (by 30 to 40 %).
+12 % at 0.25) and there the diffusivity too (by 30 to 40 %). All arguments but the dimension may be arrays.
 """
 
 from __future__ import annotations
 
 import math
 
+from scipy.special import beta
 
-def weight_integral(*, dimension: int, exponent: float, cutoff: float = 1.0, power: int = 0) -> float:
+from tether.theory.arrays import Numbers, plain
+
+
+def weight_integral(*, dimension: int, exponent: Numbers, cutoff: Numbers = 1.0, power: int = 0) -> Numbers:
     """[r^power w]: the integral of r^power (1 - r/cutoff)^exponent over the ball r < cutoff.
 
     Units: length^(dimension + power).
     """
     surface = {2: 2.0 * math.pi, 3: 4.0 * math.pi}[dimension]
     order = dimension + power
-    beta = math.exp(math.lgamma(order) + math.lgamma(exponent + 1.0) - math.lgamma(order + exponent + 1.0))
-    return surface * cutoff**order * beta
+    return plain(surface * cutoff**order * beta(order, exponent + 1.0))
 
 
 def diffusivity(
     *,
-    density: float,
-    friction: float,
-    temperature: float,
+    density: Numbers,
+    friction: Numbers,
+    temperature: Numbers,
     dimension: int,
-    exponent: float,
-    cutoff: float = 1.0,
-) -> float:
+    exponent: Numbers,
+    cutoff: Numbers = 1.0,
+) -> Numbers:
     """Self-diffusion coefficient D = d kT / (n gamma [w]), length^2/time (the paper's eq. 37).
 
     A particle feels the friction n gamma [w] / d of its neighbors, taken uncorrelated with it; D is kT over
     it.
     """
     drag = density * friction * weight_integral(dimension=dimension, exponent=exponent, cutoff=cutoff) / dimension
-    return temperature / drag
+    return plain(temperature / drag)
 
 
 def viscosity(
     *,
-    density: float,
-    friction: float,
-    temperature: float,
+    density: Numbers,
+    friction: Numbers,
+    temperature: Numbers,
     dimension: int,
-    exponent: float,
-    cutoff: float = 1.0,
-    mass: float = 1.0,
-) -> float:
+    exponent: Numbers,
+    cutoff: Numbers = 1.0,
+    mass: Numbers = 1.0,
+) -> Numbers:
     """Shear viscosity, kinetic plus dissipative part (the paper's eq. 36); positive.
 
     eta = m n D / 2  +  gamma n^2 [r^2 w] / (2 d (d + 2))
@@ -62,18 +65,14 @@ def viscosity(
     in which the drag of eq. 37 makes the correlation of V_x and V_y decay.
     """
     second_moment = weight_integral(dimension=dimension, exponent=exponent, cutoff=cutoff, power=2)
-    kinetic = (
-        0.5
-        * mass
-        * density
-        * diffusivity(
-            density=density,
-            friction=friction,
-            temperature=temperature,
-            dimension=dimension,
-            exponent=exponent,
-            cutoff=cutoff,
-        )
+    spreading = diffusivity(
+        density=density,
+        friction=friction,
+        temperature=temperature,
+        dimension=dimension,
+        exponent=exponent,
+        cutoff=cutoff,
     )
+    kinetic = 0.5 * mass * density * spreading
     dissipative = friction * density**2 * second_moment / (2.0 * dimension * (dimension + 2.0))
-    return kinetic + dissipative
+    return plain(kinetic + dissipative)

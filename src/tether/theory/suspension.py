@@ -1,14 +1,14 @@
 """Relative viscosity eta_r = eta / eta_solvent against volume fraction phi: dilute theory and empirical laws.
 
 Numbers without units. phi is the volume fraction of the suspended phase, a number or an array; what comes
-back has its shape. The paper's eq. 46-48; it finds phi_m = 0.91 in 2D and 0.65 in 3D to fit its
-suspensions.
+back has its shape. The paper's eq. 46-48, and Batchelor's second order. The paper finds phi_m = 0.91 in 2D
+and 0.65 in 3D to fit its suspensions.
 """
 
 from __future__ import annotations
 
 import math
-from typing import overload
+from typing import Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,39 @@ def einstein(phi: NDArray[np.float64], dimension: int) -> NDArray[np.float64]: .
 def einstein(phi: float | NDArray[np.float64], dimension: int) -> float | NDArray[np.float64]:
     """eta_r = 1 + [eta] phi, [eta] = (d + 2)/2: exact to first order in phi (the paper's eq. 46)."""
     return _like(phi, 1.0 + intrinsic_viscosity(dimension) * _fraction(phi))
+
+
+BATCHELOR_COEFFICIENT = {"brownian": 6.2, "hydrodynamic": 5.2, "extension": 7.6}
+"""Coefficient of phi^2 for spheres in 3D, by what it is of; see batchelor."""
+
+
+@overload
+def batchelor(phi: float, case: Literal["brownian", "hydrodynamic", "extension"] = ...) -> float: ...
+@overload
+def batchelor(
+    phi: NDArray[np.float64], case: Literal["brownian", "hydrodynamic", "extension"] = ...
+) -> NDArray[np.float64]: ...
+def batchelor(
+    phi: float | NDArray[np.float64], case: Literal["brownian", "hydrodynamic", "extension"] = "brownian"
+) -> float | NDArray[np.float64]:
+    """eta_r = 1 + 5/2 phi + k phi^2: hard spheres in 3D to second order in phi; good to phi of about 0.1.
+
+    "brownian"      k = 6.2: strong Brownian motion (Pe -> 0), the viscosity at rest. G. K. Batchelor, J. Fluid
+                    Mech. 83, 97 (1977), doi 10.1017/S0022112077001062.
+    "hydrodynamic"  k = 5.2: the same without the stress of Brownian motion, at the even distribution of pairs
+                    that it keeps up; the viscosity at high frequency. Same source.
+    "extension"     k = 7.6: no Brownian motion (Pe -> infinity), pure straining flow. G. K. Batchelor and J. T.
+                    Green, J. Fluid Mech. 56, 401 (1972), doi 10.1017/S0022112072002435.
+
+    In simple shear without Brownian motion pairs circle each other for ever, and k is not determined.
+    """
+    if case not in BATCHELOR_COEFFICIENT:
+        raise ValueError(
+            f"no second-order coefficient is called {case!r} (it depends on Brownian motion and flow); "
+            f"choose one of {', '.join(BATCHELOR_COEFFICIENT)}"
+        )
+    fraction = _fraction(phi)
+    return _like(phi, 1.0 + 2.5 * fraction + BATCHELOR_COEFFICIENT[case] * fraction**2)
 
 
 @overload
