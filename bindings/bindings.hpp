@@ -22,6 +22,7 @@ namespace tether::bindings {
 
 using Array1 = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Array2 = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Array3 = nb::ndarray<double const, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<std::uint32_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 // A NumPy array that owns a copy of the values.
@@ -62,6 +63,7 @@ void export_box(nb::module_& module);
 void export_noise(nb::module_& module);
 void export_law(nb::module_& module);
 void export_pairs(nb::module_& module);
+void export_pair_histogram(nb::module_& module);
 void export_rotation(nb::module_& module);
 
 }  // namespace tether::bindings

@@ -8,5 +8,6 @@ NB_MODULE(_core, module) {
     tether::bindings::export_noise(module);
     tether::bindings::export_law(module);
     tether::bindings::export_pairs(module);
+    tether::bindings::export_pair_histogram(module);
     tether::bindings::export_rotation(module);
 }

@@ -24,7 +24,7 @@ using uint64_t = unsigned long long;
 
 namespace tether {
 
-// Found by overload: a pack type brings its own square_root and power beside these.
+// Found by overload: a pack type brings its own beside these.
 TETHER_DEVICE inline double square_root(double x) {
     using namespace std;
     return sqrt(x);
@@ -40,6 +40,22 @@ TETHER_DEVICE inline double power(double x, double exponent) {
 TETHER_DEVICE inline float power(float x, float exponent) {
     using namespace std;
     return powf(x, exponent);
+}
+TETHER_DEVICE inline double exponential(double x) {
+    using namespace std;
+    return exp(x);
+}
+TETHER_DEVICE inline float exponential(float x) {
+    using namespace std;
+    return expf(x);
+}
+TETHER_DEVICE inline double exponential_less_one(double x) {
+    using namespace std;
+    return expm1(x);
+}
+TETHER_DEVICE inline float exponential_less_one(float x) {
+    using namespace std;
+    return expm1f(x);
 }
 
 // A word read as a signed integer (two's complement), as a Real.

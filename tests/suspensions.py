@@ -89,7 +89,7 @@ def scattered(generator: np.random.Generator, kind: str, count: int, size: Seque
 
 @dataclass(frozen=True)
 class Kind:
-    """Bodies of one shape."""
+    """Bodies of one shape. Those of base "rigid" have no springs."""
 
     sites: Array
     count: int
@@ -119,16 +119,21 @@ def engine(
     precision: str = "double",
     instruction_set: str = "",
     threads: int = 1,
+    laws: Array | None = None,
+    **flow: object,
 ) -> Engine:
-    """An engine without positions; noise None follows from sigma^2 = 2 gamma kT."""
+    """An engine without positions; noise None follows from sigma^2 = 2 gamma kT. laws: of all pairs of species, instead
+    of one for all; flow: stages, oscillation, driving with force and periods.
+    """
     build = _core.CpuEngine2 if len(size) == 2 else _core.CpuEngine3
     made = build(
         size=list(size),
         shear_rate=shear_rate,
-        repulsion=repulsion,
-        friction=friction,
-        noise=math.sqrt(2.0 * friction * temperature) if noise is None else noise,
-        cutoff=cutoff,
+        laws=np.array(
+            [[[repulsion, friction, math.sqrt(2.0 * friction * temperature) if noise is None else noise, cutoff, 0.0]]]
+        )
+        if laws is None
+        else laws,
         exponent=exponent,
         random=random,
         timestep=timestep,
@@ -140,18 +145,15 @@ def engine(
         precision=precision,
         instruction_set=instruction_set or os.environ.get("TETHER_INSTRUCTION_SET", ""),
         threads=threads,
+        **flow,
     )
     first = int(np.count_nonzero(np.asarray(species) == 0))
     for kind in kinds:
-        made.add_bodies(
-            sites=kind.sites,
-            count=kind.count,
-            first=first,
-            stiffness=kind.stiffness,
-            mass=species_mass[1],
-            base=kind.base,
-            torque_arms=kind.torque_arms,
-        )
+        bodies = {"sites": kind.sites, "count": kind.count, "first": first, "mass": species_mass[1]}
+        if kind.base == "rigid":
+            made.add_rigid_bodies(**bodies)
+        else:
+            made.add_tethered_bodies(**bodies, stiffness=kind.stiffness, base=kind.base, torque_arms=kind.torque_arms)
         first += kind.count * len(kind.sites)
     return made
 
@@ -315,19 +317,67 @@ def pair_forces(
     offset: float = 0.0,
 ) -> tuple[Array, Array]:
     """DPD forces (n, D), and the stress of each of the three terms (3, D, D), by the equations as printed."""
-    pairs = every_pair(position, size, shear_rate=shear_rate, offset=offset, cutoff=fluid.cutoff)
+    return species_forces(
+        law_table([[(fluid.repulsion, fluid.friction, fluid.cutoff, 0.0)]], fluid.temperature),
+        np.zeros(len(position), dtype=np.uint8),
+        position,
+        velocity,
+        size,
+        exponent=fluid.exponent,
+        random=fluid.random,
+        timestep=timestep,
+        seed=seed,
+        step=step,
+        shear_rate=shear_rate,
+        offset=offset,
+    )
+
+
+def law_table(rows: Sequence[Sequence[Sequence[float]]], temperature: float = 1.0) -> Array:
+    """(species, species, 5) of repulsion, friction, noise, cutoff and steepness, as engines take it, from (repulsion,
+    friction, cutoff, steepness) of each pair of species; sigma^2 = 2 gamma kT of each pair.
+    """
+    repulsion, friction, cutoff, steepness = np.moveaxis(np.array(rows, dtype=float), 2, 0)
+    return np.stack([repulsion, friction, np.sqrt(2.0 * friction * temperature), cutoff, steepness], axis=2)
+
+
+def conservative_force(repulsion: Array, steepness: Array, distance: Array) -> Array:
+    """a (1 - r), or a (exp(-b r) - exp(-b)) / (1 - exp(-b)) where b > 0; r in units of the pair's cutoff."""
+    b = np.where(steepness > 0.0, steepness, 1.0)
+    steep = np.exp(-b * distance) * -np.expm1(-b * (1.0 - distance)) / -np.expm1(-b)
+    return repulsion * np.where(steepness > 0.0, steep, 1.0 - distance)
+
+
+def species_forces(
+    laws: Array,
+    species: NDArray[np.uint8],
+    position: Array,
+    velocity: Array,
+    size: Sequence[float],
+    *,
+    timestep: float,
+    seed: int,
+    step: int,
+    exponent: float = 0.5,
+    random: str = "uniform",
+    shear_rate: float = 0.0,
+    offset: float = 0.0,
+) -> tuple[Array, Array]:
+    """The same where each pair of species has a law of its own, from a table as engines take it."""
+    pairs = every_pair(position, size, shear_rate=shear_rate, offset=offset, cutoff=float(laws[:, :, 3].max()))
     distance = np.linalg.norm(pairs.separation, axis=1)
     direction = pairs.separation / distance[:, None]
     relative = velocity[pairs.i] - velocity[pairs.j]
     relative[:, 0] -= pairs.image_velocity
-    xi = _core.pair_noise(seed, step, pairs.i.astype(np.uint32), pairs.j.astype(np.uint32), fluid.random)
-    w = 1.0 - distance / fluid.cutoff
-    sigma = math.sqrt(2.0 * fluid.friction * fluid.temperature)
+    xi = _core.pair_noise(seed, step, pairs.i.astype(np.uint32), pairs.j.astype(np.uint32), random)
+    repulsion, friction, noise, cutoff, steepness = laws[species[pairs.i], species[pairs.j]].T
+    inside = distance < cutoff
+    w = np.where(inside, 1.0 - distance / cutoff, 0.0)
     magnitude = np.stack(
         [
-            fluid.repulsion * w,
-            -fluid.friction * w**fluid.exponent * np.einsum("nk,nk->n", direction, relative),
-            sigma * w ** (fluid.exponent / 2.0) * xi / math.sqrt(timestep),
+            conservative_force(repulsion, steepness, 1.0 - w),
+            -friction * w**exponent * np.einsum("nk,nk->n", direction, relative),
+            noise * w ** (exponent / 2.0) * xi / math.sqrt(timestep),
         ]
     )
     force = np.zeros_like(position)

@@ -40,16 +40,27 @@ struct Rotation<3> {
 
     // Turn by `angle` about the body's own axis k: q <- q (cos, sin e_k) of the half angle, normalized.
     void turn_about_own_axis(std::size_t k, double angle) {
-        double const c = std::cos(0.5 * angle);
         Vector<3> p{};
         p[k] = std::sin(0.5 * angle);
+        multiply(std::cos(0.5 * angle), p);
+    }
+
+    // Turn about the body's own axis that `angles` points along, by its length: exact, however large.
+    void turn_about_own_axis(Vector<3> const& angles) {
+        double const angle = std::sqrt(dot(angles, angles));
+        if (angle == 0.0) return;
+        multiply(std::cos(0.5 * angle), (std::sin(0.5 * angle) / angle) * angles);
+    }
+
+  private:
+    // q <- q (c, p), normalized.
+    void multiply(double c, Vector<3> const& p) {
         Rotation const q{w * c - x * p[0] - y * p[1] - z * p[2], w * p[0] + x * c + y * p[2] - z * p[1],
                          w * p[1] + y * c + z * p[0] - x * p[2], w * p[2] + z * c + x * p[1] - y * p[0]};
         double const norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
         *this = {q.w / norm, q.x / norm, q.y / norm, q.z / norm};
     }
 
-  private:
     // r + 2 u x (u x r + w r), with u the vector part of the quaternion, or minus that for the way back.
     Vector<3> turned(Vector<3> const& r, double sign) const {
         Vector<3> const u{{sign * x, sign * y, sign * z}};

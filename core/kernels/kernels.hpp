@@ -33,7 +33,8 @@ struct BoxNumbers {
 };
 
 // All that the pair loop knows of a particle, in two quads such that all that it asks of a pair is their difference (the
-// noise takes the sum of the words, so the difference is taken from one particle's word to minus the other's):
+// noise takes the sum of the words, so the difference is taken from one particle's word to minus the other's; likewise the
+// species, which tell a pair's place in the table of laws, if there is more than one):
 //     in mixed precision   positions as fractions of the box in units of 2^-32, whose differences wrap around on their
 //                          own; velocities in float
 //     in full precision    all in double
@@ -42,12 +43,12 @@ struct Record;
 template <>
 struct alignas(32) Record<float> {
     std::uint32_t position[3], minus_word;
-    float velocity[3], unused;
+    float velocity[3], minus_species;
 };
 template <>
 struct alignas(64) Record<double> {
     double position[3], minus_word;
-    double velocity[3], unused;
+    double velocity[3], minus_species;
 };
 
 // A force as integer multiples of a quantum, so that its sum does not depend on the order of its parts and the two sides
@@ -86,13 +87,27 @@ struct RecordArguments {
     BoxNumbers<D> box;
     Rows<D> rows;
     StepKey key;
-    double prediction;         // the predicted velocity is v + prediction F/m
-    void* records;             // Record<Real>, by place
-    std::uint32_t *row, *bin;  // by place
+    double prediction;            // the predicted velocity is v + prediction F/m
+    std::uint8_t const* species;  // by id; null where all pairs have one law
+    void* records;                // Record<Real>, by place
+    std::uint32_t *row, *bin;     // by place
 };
 
-struct LawNumbers {
-    double repulsion, friction, noise_amplitude, cutoff, half_exponent;
+enum class LawKind { half_power, square_power, any_power };
+constexpr int law_kinds = 3;
+
+// The parameters of a pair of species: a or a_e (force), gamma, sigma/sqrt(dt), the pair's own cutoff (length), and the
+// steepness b of the conservative force, 0 for a linear one.
+struct PairNumbers {
+    double repulsion, friction, noise_amplitude, cutoff, steepness;
+};
+
+// A law as the pair loop takes it.
+struct LawArguments {
+    PairNumbers uniform;    // of all pairs; of a table, only the cutoff counts, and it is the largest
+    void const* table;      // SteepParameters<Real>, species by species, or null
+    std::uint32_t species;  // in the table
+    double half_exponent;
     NoiseKind noise_kind;
 };
 
@@ -105,7 +120,7 @@ template <int D>
 struct PairArguments {
     BoxNumbers<D> box;
     Rows<D> rows;
-    LawNumbers law;
+    LawArguments law;
     double quantum;           // of force
     std::uint32_t particles;  // below 2^27
     // In the order of (row, bin), followed by `padding` more that nothing is asked of
@@ -128,9 +143,6 @@ struct MotionSums {
     double solvent, constituents;  // sum m V^2 over each
 };
 
-enum class LawKind { half_power, square_power, any_power };
-constexpr int law_kinds = 3;
-
 // Ranges [begin, end) of places; of rows for `pairs`.
 template <int D>
 struct Kernels {
@@ -146,8 +158,9 @@ struct Kernels {
                    std::size_t end);
     // [precision]
     void (*record[2])(RecordArguments<D> const&, std::size_t begin, std::size_t end);
-    // [precision][law][whether the virials are wanted: virial_values<D> for each row]
-    void (*pairs[2][law_kinds][2])(PairArguments<D> const&, std::size_t begin, std::size_t end, double* virials);
+    // [precision][whether laws come from a table by species][law][whether the virials are wanted: virial_values<D> for
+    // each row]
+    void (*pairs[2][2][law_kinds][2])(PairArguments<D> const&, std::size_t begin, std::size_t end, double* virials);
 };
 
 }  // namespace tether

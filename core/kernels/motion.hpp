@@ -190,7 +190,7 @@ void record(RecordArguments<D> const& a, std::size_t begin, std::size_t end) {
                 records[i].minus_word = -word[i];
             else
                 records[i].minus_word = -static_cast<double>(word[i]);
-            records[i].unused = 0;
+            records[i].minus_species = a.species ? -static_cast<Real>(a.species[id[i]]) : Real(0);
             if constexpr (D == 2) {
                 records[i].position[2] = 0;
                 records[i].velocity[2] = 0;

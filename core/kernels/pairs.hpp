@@ -11,8 +11,10 @@
 // Sifting is in float with a margin above its rounding; what is near is decided anew, and exactly, when it is evaluated.
 #pragma once
 
+#include <type_traits>
+
 #include "kernels/kernels.hpp"
-#include "laws/dpd.hpp"
+#include "laws/steep.hpp"
 #include "simd/pack.hpp"
 
 namespace tether {
@@ -68,12 +70,18 @@ struct NeighborRow {
     }
 };
 
+template <class Law>
+constexpr bool is_by_species = false;
+template <class Weight>
+constexpr bool is_by_species<SteepDpd<Weight>> = true;
+
 template <int D, class Real, class Law, bool Stress>
 class PairSweeps {
     static constexpr int lanes = law_lanes<Real>;
     static constexpr int components = D * (D + 1) / 2;
     static constexpr int sets = 64 / static_cast<int>(sizeof(Real)) / lanes;  // of lanes that virials are summed in
     static constexpr bool is_mixed = sizeof(Real) == 4;
+    static constexpr bool by_species = is_by_species<Law>;
     using Reals = Pack<Real, lanes>;
     using Integer = typename QuantaOf<Real>::type;
     using Integers = Pack<Integer, lanes>;
@@ -84,9 +92,9 @@ class PairSweeps {
   public:
     PairSweeps(PairArguments<D> const& a, Law const& law) : a_(a), law_(law) {
         // The rounding of float coordinates, which count from the box's corner.
-        double largest = a.law.cutoff;
+        double largest = a.law.uniform.cutoff;
         for (double side : a.box.length) largest = largest > side ? largest : side;
-        double const reach = a.law.cutoff * (1.0 + 1e-6) + 4e-7 * largest;
+        double const reach = a.law.uniform.cutoff * (1.0 + 1e-6) + 4e-7 * largest;
         sift_square_ = static_cast<float>(reach * reach);
         offset_fraction_ =
             static_cast<std::uint32_t>(static_cast<std::int64_t>(a.box.offset / a.box.length[0] * 4294967296.0));
@@ -234,6 +242,7 @@ class PairSweeps {
         Record<Real>& own = own_[tasks_];
         __builtin_memcpy(&own, static_cast<Record<Real> const*>(a_.records) + place_[tasks_], sizeof own);
         own.minus_word = -own.minus_word;
+        if constexpr (by_species) own.minus_species *= -static_cast<Real>(a_.law.species);
         std::int32_t const image = image_[tasks_];
         if (image != 0) [[unlikely]] {
             if constexpr (is_mixed)
@@ -282,9 +291,11 @@ class PairSweeps {
 
     void evaluate() {
         Law const law = law_;
-        DpdParameters<Reals> const parameters{Reals(a_.law.repulsion), Reals(a_.law.friction),
-                                              Reals(a_.law.noise_amplitude), Reals(1.0 / a_.law.cutoff)};
-        Reals const cutoff(a_.law.cutoff), per_quantum(-1.0 / a_.quantum);
+        PairNumbers const& uniform = a_.law.uniform;
+        DpdParameters<Reals> const of_all{Reals(uniform.repulsion), Reals(uniform.friction),
+                                          Reals(uniform.noise_amplitude), Reals(1.0 / uniform.cutoff)};
+        Reals cutoff(uniform.cutoff);
+        Reals const per_quantum(-1.0 / a_.quantum);
         Reals unit[D], per_side[D];
         for (int k = 0; k < D; ++k) {
             unit[k] = Reals(is_mixed ? a_.box.length[k] / 4294967296.0 : a_.box.length[k]);
@@ -337,7 +348,15 @@ class PairSweeps {
 
             PairBits<Words<lanes>> const bits = pair_bits(words_of(place.of[3]));
             Reals const noise = is_uniform ? UniformNoise::draw<Reals>(bits) : GaussianNoise::draw<Reals>(bits);
-            PairForce<Reals> const magnitude = law(Pair<Reals>{distance, departure * inverse, noise}, parameters);
+            Pair<Reals> const pair{distance, departure * inverse, noise};
+            PairForce<Reals> magnitude;
+            if constexpr (by_species) {
+                SteepParameters<Reals> const of_pairs = parameters_of(motion.of[3]);
+                cutoff = of_pairs.cutoff;
+                magnitude = law(pair, of_pairs);
+            } else {
+                magnitude = law(pair, of_all);
+            }
 
             Mask const counts = (distance < cutoff) & (counting<Integer, lanes>() < Integers(listed - begin));
             Reals const scale = where<Real, lanes>(counts, magnitude.total() * inverse * per_quantum);
@@ -361,6 +380,19 @@ class PairSweeps {
             if constexpr (Stress)
                 add_virial(separation, magnitude, where<Real, lanes>(counts, inverse), counts, (begin / lanes) % sets);
         }
+    }
+
+    // Of each pair, by its place in the table.
+    SteepParameters<Reals> parameters_of(Reals place) const {
+        auto const* const table = static_cast<SteepParameters<Real> const*>(a_.law.table);
+        constexpr std::size_t fields = sizeof(SteepParameters<Real>) / sizeof(Real);
+        Reals gathered[fields];
+        for (int lane = 0; lane < lanes; ++lane) {
+            Real of_pair[fields];
+            __builtin_memcpy(of_pair, table + static_cast<std::int32_t>(place.lanes[lane]), sizeof of_pair);
+            for (std::size_t f = 0; f < fields; ++f) gathered[f].lanes[lane] = of_pair[f];
+        }
+        return {{gathered[0], gathered[1], gathered[2], gathered[3]}, gathered[4], gathered[5], gathered[6]};
     }
 
     // The sum of a pair's noise words, from the difference of its records.
@@ -429,11 +461,11 @@ class PairSweeps {
     Reals virial_[Stress ? sets : 1][3][components];
 };
 
-template <int D, class Real, class Weight, bool Stress>
+template <int D, class Real, class Law, bool Stress>
 void pairs(PairArguments<D> const& a, std::size_t begin, std::size_t end, double* virials) {
-    Dpd<Weight> law{};
-    if constexpr (std::is_same_v<Weight, AnyPower>) law.weight.half_exponent = a.law.half_exponent;
-    PairSweeps<D, Real, Dpd<Weight>, Stress> sweeps(a, law);
+    Law law{};
+    if constexpr (std::is_same_v<decltype(law.weight), AnyPower>) law.weight.half_exponent = a.law.half_exponent;
+    PairSweeps<D, Real, Law, Stress> sweeps(a, law);
     for (std::size_t r = begin; r < end; ++r)
         sweeps.work(r, Stress ? virials + (r - begin) * virial_values<D> : nullptr);
 }

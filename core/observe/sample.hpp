@@ -3,15 +3,17 @@
 // Stress is positive in tension, S_xy the x-force through a plane normal to y (Phan-Thien et al. 2014, eq. 16):
 //     kinetic       -(1/V) sum m V V                  V: velocity against the imposed profile
 //     conservative  -(1/V) sum over pairs r_ij F_C    and likewise dissipative, random
-//     body          -(1/V) sum (r_i - X) F_S,i        the tension in the bases, from the springs' pull on constituents
+//     body          -(1/V) sum (r_i - X) F_S,i        the tension in the bases, from what holds the constituents: springs,
+//                                                     or the constraint of a rigid body
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bodies/tethered.hpp"
+#include "bodies/bodies.hpp"
 #include "box.hpp"
 #include "kernels/kernels.hpp"
 #include "observe/virial.hpp"
@@ -64,8 +66,7 @@ struct Sample {
 
 // How the bodies of one kind move, added to a sample.
 template <int D>
-void sample_bodies(Sample<D>& sample, TetheredBodies<D> const& kind, State<D> const& state, Box<D> const& box,
-                   Team& team) {
+void sample_bodies(Sample<D>& sample, Bodies<D> const& kind, State<D> const& state, Box<D> const& box, Team& team) {
     constexpr std::size_t block = 32;
     std::vector<Sample<D>> parts((kind.count() + block - 1) / block);
     team.ranges(kind.count(), block, [&](std::size_t begin, std::size_t end, std::size_t unit) {
@@ -96,7 +97,7 @@ void sample_bodies(Sample<D>& sample, TetheredBodies<D> const& kind, State<D> co
 // The kinetic part of a sample: everything that velocities alone tell.
 template <int D>
 void sample_motion(Sample<D>& sample, Kernels<D> const& kernels, State<D>& state, Box<D> const& box,
-                   std::vector<TetheredBodies<D>> const& bodies, std::size_t solvent, Team& team) {
+                   std::vector<std::unique_ptr<Bodies<D>>> const& bodies, std::size_t solvent, Team& team) {
     constexpr std::size_t block = 1024;
     std::vector<MotionSums<D>> sums((state.size() + block - 1) / block);
     team.ranges(state.size(), block, [&](std::size_t begin, std::size_t end, std::size_t unit) {
@@ -111,7 +112,7 @@ void sample_motion(Sample<D>& sample, Kernels<D> const& kernels, State<D>& state
             for (std::size_t l = 0; l < D; ++l) sample.kinetic[k][l] += per_volume * sum.flux[k][l];
         }
     }
-    for (TetheredBodies<D> const& kind : bodies) sample_bodies(sample, kind, state, box, team);
+    for (std::unique_ptr<Bodies<D>> const& kind : bodies) sample_bodies(sample, *kind, state, box, team);
 }
 
 }  // namespace tether

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "laws/species_law.hpp"
 #include "memory.hpp"
 #include "pairs/pair_forces.hpp"
 
@@ -47,18 +48,26 @@ Rows<D> rows_of(Box<D> const& box, double cutoff, std::size_t particles) {
 template <int D, class Real>
 class PackedPairs final : public PairForces<D> {
   public:
-    PackedPairs(Box<D> const& box, LawNumbers const& law, LawKind kind, double quantum, Kernels<D> const& kernels,
-                std::size_t particles)
+    // `species`: by id.
+    PackedPairs(Box<D> const& box, LawNumbers const& law, double quantum, Kernels<D> const& kernels,
+                std::vector<std::uint8_t> const& species)
         : kernels_(kernels),
-          law_(law),
-          kind_(kind),
+          law_{law.table[0], nullptr, static_cast<std::uint32_t>(law.species), law.half_exponent, law.noise_kind},
+          kind_(law.kind),
           quantum_(quantum),
           width_(static_cast<float>(box.length()[0])),
-          rows_(rows_of(box, law.cutoff, particles)) {
+          rows_(rows_of(box, law.largest_cutoff(), species.size())) {
+        std::size_t const particles = species.size();
+        law_.uniform.cutoff = law.largest_cutoff();
+        if (!law.is_plain()) {
+            for (PairNumbers const& of_pair : law.table) table_.push_back(steep_parameters<Real>(of_pair));
+            law_.table = table_.data();
+            species_ = law.known(species);
+        }
         for (std::size_t k = 0; k < D; ++k)
             unit_[k] = sizeof(Real) == 4 ? static_cast<float>(box.length()[k] / 4294967296.0) : 1.0f;
         for (double side : box.length())
-            if (side < 3.0 * law.cutoff * (1.0 - 1e-12))
+            if (side < 3.0 * law_.uniform.cutoff * (1.0 - 1e-12))
                 throw std::invalid_argument("a side of the box is below three cutoffs");
         if (particles >= std::size_t{1} << 27) throw std::invalid_argument("more than 2^27 particles");
         row_count_ = static_cast<std::size_t>(rows_.count[0]) * static_cast<std::size_t>(rows_.count[1]);
@@ -83,7 +92,9 @@ class PackedPairs final : public PairForces<D> {
     void note(Columns<D> const& particles, Box<D> const& box, StepKey const& key, double prediction, std::size_t begin,
               std::size_t end) override {
         kernels_.record[precision](
-            {particles, box.numbers(), rows_, key, prediction, records_.data(), row_.data(), bin_.data()}, begin, end);
+            {particles, box.numbers(), rows_, key, prediction, species_.empty() ? nullptr : species_.data(),
+             records_.data(), row_.data(), bin_.data()},
+            begin, end);
     }
 
     PairVirial<D> compute(bool stress, State<D>& state, Box<D> const& box, Team& team, Stopwatch& watch) override {
@@ -102,7 +113,7 @@ class PackedPairs final : public PairForces<D> {
         for (std::size_t k = 0; k < D; ++k) arguments.near[k] = near_[k].data();
         arguments.other = other_.data();
         arguments.bin_start = bin_start_.data();
-        auto const loop = kernels_.pairs[precision][static_cast<int>(kind_)][stress];
+        auto const loop = kernels_.pairs[precision][!table_.empty()][static_cast<int>(kind_)][stress];
         auto const work = [&](Stretch const& rows) {
             loop(arguments, rows.begin, rows.end, virials_.data() + rows.begin * virial_values<D>);
         };
@@ -233,7 +244,9 @@ class PackedPairs final : public PairForces<D> {
     static constexpr std::uint32_t far_ahead = 16;  // particles to fetch before they are needed
 
     Kernels<D> kernels_;
-    LawNumbers law_;
+    std::vector<SteepParameters<Real>> table_;  // of laws and species, if there is more than one
+    std::vector<std::uint8_t> species_;         // by id
+    LawArguments law_;
     LawKind kind_;
     double quantum_;
     float width_;

@@ -26,6 +26,8 @@ struct VelocityVerlet {
     double timestep, lambda;
     double runaway_speed;
 
+    double prediction() const { return (lambda - 0.5) * timestep; }  // from the velocity at half a step
+
     // Up to the forces of the step: `box` has advanced, `box_before` has not.  With `owes_kick` the step before ends here
     // too.  False when a particle runs away; it and its block then stay where they are.
     bool before_forces(bool owes_kick, State<D>& state, Box<D> const& box_before, Box<D> const& box, StepKey const& key,
@@ -42,7 +44,7 @@ struct VelocityVerlet {
             }
             kernels.drift(particles, timestep, begin, end);
             kernels.wrap(particles, now, begin, end);
-            pairs.note(particles, box, key, (lambda - 0.5) * timestep, begin, end);
+            pairs.note(particles, box, key, prediction(), begin, end);
         });
         return is_well;
     }

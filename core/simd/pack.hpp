@@ -157,6 +157,50 @@ TETHER_DEVICE inline Pack<T, N> power(Pack<T, N> a, Pack<T, N> exponent) {
     return a;
 }
 
+// 2^n and e^r - 1 with x = n ln 2 + r, |r| <= ln 2 / 2, for -80 < x <= 0 (what is below counts as -80): the latter by its
+// Taylor sum, the same operations on every processor.
+template <class T, int N>
+struct Exponential {
+    Pack<T, N> power, rest;
+};
+
+template <class T, int N>
+TETHER_DEVICE inline Exponential<T, N> exponential_parts(Pack<T, N> x) {
+    using Integer = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+    constexpr int digits = sizeof(T) == 4 ? 23 : 52, terms = sizeof(T) == 4 ? 7 : 13;
+    constexpr T high = sizeof(T) == 4 ? T(0.693359375) : T(0x1.62e42fefa38p-1);  // ln 2, the first digits of it
+    constexpr T low = sizeof(T) == 4 ? T(-2.12194440e-4) : T(0x1.ef35793c7673p-45);
+    Pack<T, N> const magic(sizeof(T) == 4 ? 12582912.0 : 6755399441055744.0);  // adding it rounds to an integer
+    Pack<T, N> const least(-80.0), one(1.0);
+    x = {x.lanes > least.lanes ? x.lanes : least.lanes};
+    Pack<T, N> const shifted = x * Pack<T, N>(1.4426950408889634) + magic;
+    Pack<T, N> const n = shifted - magic;
+    Pack<T, N> const r = (x - n * Pack<T, N>(high)) - n * Pack<T, N>(low);
+    double factorial = 1.0;
+    for (int k = 2; k <= terms; ++k) factorial *= k;
+    Pack<T, N> sum(1.0 / factorial);
+    for (int k = terms; k > 1; --k) {
+        factorial /= k;
+        sum = sum * r + Pack<T, N>(1.0 / factorial);
+    }
+    Lanes<Integer, N> const exponent = same_bits<Integer>(shifted).lanes << digits;
+    return {same_bits<T>(Pack<Integer, N>(same_bits<Integer>(one).lanes + exponent)), sum * r};
+}
+
+// e^x for -80 < x <= 0, to a rounding or two.
+template <class T, int N>
+TETHER_DEVICE inline Pack<T, N> exponential(Pack<T, N> x) {
+    Exponential<T, N> const parts = exponential_parts(x);
+    return parts.power + parts.power * parts.rest;
+}
+
+// e^x - 1 likewise, with all digits where x is small.
+template <class T, int N>
+TETHER_DEVICE inline Pack<T, N> exponential_less_one(Pack<T, N> x) {
+    Exponential<T, N> const parts = exponential_parts(x);
+    return parts.power * parts.rest + (parts.power - Pack<T, N>(1.0));
+}
+
 template <class T, int N>
 TETHER_DEVICE inline Pack<T, N> larger(Pack<T, N> a, Pack<T, N> b) {
     return {a.lanes > b.lanes ? a.lanes : b.lanes};

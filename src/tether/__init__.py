@@ -10,13 +10,14 @@ result.viscosity
 
 from tether.bodies import Bodies
 from tether.box import Box
-from tether.config import Configuration, Output, Reference, Run, Start, load
+from tether.config import Configuration, Measure, Output, Reference, Run, Start, load
 from tether.errors import InputError, RunError, TetherError
 from tether.estimate import Estimate, estimate
-from tether.flows import Couette, Rest
+from tether.flows import Couette, Kolmogorov, Oscillatory, Poiseuille, Rest, Stages
 from tether.fluid import Fluid
+from tether.interactions import Interaction
 from tether.result import Result
-from tether.shapes import Shape, cube, octahedron, points, polygon, square, triangle
+from tether.shapes import Shape, cube, disc, ellipsoid, octahedron, points, polygon, rod, sphere, square, triangle
 from tether.simulation import Simulation
 from tether.version import __version__
 
@@ -28,7 +29,12 @@ __all__ = [
     "Estimate",
     "Fluid",
     "InputError",
+    "Interaction",
+    "Kolmogorov",
+    "Measure",
+    "Oscillatory",
     "Output",
+    "Poiseuille",
     "Reference",
     "Rest",
     "Result",
@@ -36,15 +42,20 @@ __all__ = [
     "RunError",
     "Shape",
     "Simulation",
+    "Stages",
     "Start",
     "TetherError",
     "__version__",
     "cube",
+    "disc",
+    "ellipsoid",
     "estimate",
     "load",
     "octahedron",
     "points",
     "polygon",
+    "rod",
+    "sphere",
     "square",
     "triangle",
 ]

@@ -33,7 +33,9 @@ def warnings_of(result: Result) -> list[str]:
             f"the total strain is {result.strain:.3g}, less than {_ENOUGH_STRAIN:g} (the suspension may not have "
             "forgotten its start); run longer or shear faster"
         )
-    drifting = [name for name, values in result.over_time.items() if _drifts(values)]
+    flow = result.configuration.flow
+    is_steady = not flow.is_sheared or flow.shear_rate != 0  # else nothing is stationary
+    drifting = [name for name, values in result.over_time.items() if is_steady and _drifts(values)]
     if drifting:
         found.append(
             f"{_listed(drifting)} still {'drifts' if len(drifting) == 1 else 'drift'} (the first half of the run "
@@ -42,12 +44,19 @@ def warnings_of(result: Result) -> list[str]:
     found += [
         _off(result, of, temperature)
         for of, temperature in result.temperature.items()
-        if temperature is not None and _is_off(result, of, temperature)
+        if temperature is not None and of != "constituents_raw" and _is_off(result, of, temperature)
     ]
     short = [name for name, mean in result.estimates.items() if mean is not None and not mean.converged]
     if short:
         found.append(
             f"the run is too short for an error of {_listed(short)} (it spans too few correlation times); run longer"
+        )
+    if result.fluctuations is not None:
+        found += result.fluctuations.warnings
+    if flow.is_driven and not result.flow_is_known:
+        found.append(
+            "temperatures, pressure and N1 have the energy of the flow in them (its profile has not been measured: no "
+            "sample fell into the run); run longer, or give a smaller measure.profiles.every"
         )
     return found
 
@@ -68,9 +77,17 @@ def _drifts(values: NDArray[np.float64]) -> bool:
 def _is_off(result: Result, of: str, temperature: Estimate) -> bool:
     set_to = result.configuration.fluid.temperature
     off = abs(temperature.value - set_to)
-    if not temperature.converged or (of == "body_translation" and result.configuration.flow.shear_rate != 0):
+    flow = result.configuration.flow
+    is_unsteady = flow.is_sheared and flow.shear_rate == 0
+    if not temperature.converged or is_unsteady or (of == "body_translation" and _is_agitated(result)):
         return off > _OFF_WITHOUT_ERROR * set_to  # bodies that meet in shear are agitated beyond kT
     return off > max(_OFF * set_to, _SIGMAS * temperature.error)
+
+
+def _is_agitated(result: Result) -> bool:
+    """Whether bodies are thrown off their paths where they meet."""
+    flow = result.configuration.flow
+    return flow.is_sheared or flow.is_driven
 
 
 def _off(result: Result, of: str, temperature: Estimate) -> str:
@@ -78,9 +95,11 @@ def _off(result: Result, of: str, temperature: Estimate) -> str:
     bodies = result.configuration.bodies
     if fluid.gamma == 0:
         why, remedy = "without friction nothing holds it", "give fluid.noise or fluid.friction"
-    elif of in ("all", "constituents", "body_rotation") and any(each.base != "massless" for each in bodies):
+    elif of in ("all", "constituents", "body_rotation") and any(
+        str(each.base).startswith("newton-euler") for each in bodies
+    ):
         why, remedy = "a Newton-Euler base heats its constituents", 'use base = "massless"'
-    elif of == "body_translation" and result.configuration.flow.shear_rate != 0:
+    elif of == "body_translation" and _is_agitated(result):
         why, remedy = "bodies that meet in shear are agitated beyond kT", "shear slower if it is to be heat alone"
     else:
         why = "the time step is too long, or the shear too fast for the thermostat"

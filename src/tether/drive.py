@@ -80,7 +80,9 @@ def _recorded(
     record.write_checkpoint(simulation)
     record.write_series(simulation)
     if simulation.is_finished:
-        record.write_summary(simulation.result())
+        result = simulation.result()
+        record.write_datasets(result)
+        record.write_summary(result)
 
 
 def _advance(

@@ -33,33 +33,39 @@ def total_stress(series: xr.Dataset) -> xr.DataArray:
 class Freedom:
     """Degrees of freedom behind each kinetic temperature.
 
-    Total momentum is conserved, so a group of particles with a share f of the total mass M has d f fewer than
-    d for each particle: <m v^2> = d kT (1 - m/M) of one particle.
+    A particle has d of them, the constituents of a rigid body together those of its center and of its rotation. Total
+    momentum is conserved, so a group of particles with a share f of the total mass M has d f fewer: <m v^2> =
+    d kT (1 - m/M) of one particle. A force along x that acts on every particle differently leaves the total momentum
+    as it is, too.
     """
 
     all: float
     solvent: float
     constituents: float
+    constituents_raw: float
+    """As if constituents of rigid bodies were as free as others: what the paper's fig. 19 seems to count."""
     body_translation: float
     body_rotation: float
 
     @classmethod
-    def of(cls, configuration: Configuration, rotational: int) -> Freedom:
-        """rotational: rotational degrees of freedom of all bodies (the engine counts them)."""
+    def of(cls, configuration: Configuration, rotational: Sequence[int]) -> Freedom:
+        """rotational: rotational degrees of freedom of one body of each kind (the engine counts them)."""
         d = configuration.dimension
         solvent = configuration.solvent_count
-        constituents = configuration.constituent_count
-        solvent_mass = solvent * configuration.fluid.mass
-        mass = solvent_mass
-        for bodies, count in zip(configuration.bodies, configuration.body_counts, strict=True):
-            mass += count * len(bodies.geometry.sites) * bodies.mass
-        bodies_share = 1 - solvent_mass / mass
+        counts = configuration.body_counts
+        sites = [len(shape.sites) for shape in configuration.geometries]
+        of_bodies = 1 - solvent * configuration.fluid.mass / configuration.total_mass  # share of the mass
+        free = sum(
+            count * (d + turns if bodies.model == "rigid" else d * p)
+            for bodies, count, p, turns in zip(configuration.bodies, counts, sites, rotational, strict=True)
+        )
         return cls(
-            all=d * (solvent + constituents - 1),
-            solvent=d * (solvent - solvent_mass / mass),
-            constituents=d * (constituents - bodies_share),
-            body_translation=d * (sum(configuration.body_counts) - bodies_share),
-            body_rotation=rotational,
+            all=d * solvent + free - d,
+            solvent=d * (solvent - 1 + of_bodies),
+            constituents=free - d * of_bodies,
+            constituents_raw=d * configuration.constituent_count - d * of_bodies,
+            body_translation=d * (sum(counts) - of_bodies),
+            body_rotation=sum(count * turns for count, turns in zip(counts, rotational, strict=True)),
         )
 
 
@@ -96,8 +102,11 @@ def series(
         "temperature": (parts["thermal_solvent"] + parts["thermal_constituents"], freedom.all),
         "temperature_solvent": (parts["thermal_solvent"], freedom.solvent),
         "temperature_constituents": (parts["thermal_constituents"], freedom.constituents),
+        "temperature_constituents_raw": (parts["thermal_constituents"], freedom.constituents_raw),
         "temperature_body_translation": (parts["thermal_translation"], freedom.body_translation),
     }
+    if freedom.constituents_raw == freedom.constituents:
+        del thermal["temperature_constituents_raw"]
     for name, (twice_energy, count) in thermal.items():
         if count > 0:
             of = name.removeprefix("temperature").replace("_", " ").strip() or "all particles"
@@ -127,6 +136,14 @@ def series(
         ("time", "row"), parts["momentum"],
         {"units": "mass length/time", "long_name": "total momentum against the imposed profile"},
     )  # fmt: skip
+    if configuration.flow.is_sheared and configuration.flow.shear_rate == 0:
+        strain = configuration.flow.strain(steps, configuration.run.timestep)
+        before = configuration.flow.strain(steps - configuration.series_interval, configuration.run.timestep)
+        duration = configuration.series_interval * configuration.run.timestep
+        made["strain"] = ("time",), strain, {"units": "1", "long_name": "imposed strain at the end of the interval"}
+        made["shear_rate"] = (
+            ("time",), (strain - before) / duration, {"units": "1/time", "long_name": "imposed shear rate, its mean"},
+        )  # fmt: skip
     time = steps * configuration.run.timestep
     return xr.Dataset(
         made,

@@ -25,6 +25,19 @@ _MARK = "# tether "
 """How config.toml begins: --force overwrites no folder without it, whatever else is called config.toml."""
 
 
+DATASETS = (
+    "profiles",
+    "stress_profile",
+    "radial_distribution",
+    "displacement",
+    "lissajous",
+    "start_up",
+    "green_kubo",
+    "green_kubo_integral",
+)
+"""Names of the files, without .nc, of what is measured as a function of something else than time."""
+
+
 class Record:
     """A folder that holds config.toml, trajectory.gsd, series.nc, checkpoint.h5, summary.json and pictures."""
 
@@ -116,6 +129,21 @@ class Record:
         with whole(self.summary_path) as temporary:
             temporary.write_text(json.dumps(result.as_dict(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
+    def write_datasets(self, result: Result) -> None:
+        """Write what was measured as a function of something else than time: a file for each."""
+        for name, dataset in result.datasets.items():
+            with whole(self.dataset_path(name)) as temporary:
+                dataset.to_netcdf(temporary, engine="h5netcdf")
+
+    def dataset_path(self, name: str) -> Path:
+        """The file of a dataset, of DATASETS."""
+        return self.folder / f"{name}.nc"
+
+    def datasets(self) -> dict[str, xr.Dataset]:
+        """What write_datasets wrote, by name. Raises InputError when a file is damaged."""
+        paths = {name: self.dataset_path(name) for name in DATASETS}
+        return {name: _loaded(path) for name, path in paths.items() if path.is_file()}
+
     def summary(self) -> dict[str, Any]:
         """What summary.json holds. Raises InputError when the run has not ended."""
         if not self.summary_path.is_file():
@@ -138,12 +166,7 @@ class Record:
                 "nothing has been measured yet",
                 f"go on with tether resume {self.folder}",
             )
-        try:
-            return xr.load_dataset(self.series_path, engine="h5netcdf")
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(
-                f"{self.series_path} is damaged", str(error).splitlines()[0], "run the configuration again"
-            ) from None
+        return _loaded(self.series_path)
 
     def _write_configuration(self, configuration: Configuration) -> None:
         with whole(self.configuration_path) as temporary:
@@ -161,10 +184,19 @@ class Record:
 
     def _written(self) -> list[Path]:
         files = [self.trajectory_path, self.series_path, self.checkpoint_path, self.summary_path]
-        pictures = [self.folder / f"{name}.{kind}" for name in ("series", "profile") for kind in ("png", "svg")]
+        files += [self.dataset_path(name) for name in DATASETS]
+        drawn = ("series", "profile", *DATASETS)
+        pictures = [self.folder / f"{name}.{kind}" for name in drawn for kind in ("png", "svg")]
         relative = [self.folder / f"relative.{kind}" for kind in ("json", "png", "svg")]
         written = [*files, *pictures, *relative]
         return [*written, *map(part_of, written), trajectory.set_aside(self.trajectory_path)]
+
+
+def _loaded(path: Path) -> xr.Dataset:
+    try:
+        return xr.load_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{path} is damaged", str(error).splitlines()[0], "run the configuration again") from None
 
 
 def _unwritable(folder: Path, error: OSError) -> InputError:

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from tether import derived
+from tether.analysis.oscillatory import Moduli
 from tether.caution import warnings_of
 from tether.config import Configuration
 from tether.estimate import Estimate, estimate, estimate_function
 from tether.measurement import Freedom, pairwise_stress, total_stress
+from tether.observe.observer import Observer
+from tether.observe.profiles import Profiles
 from tether.theory.dimensionless import Dimensionless, dimensionless
 from tether.version import __version__
+
+if TYPE_CHECKING:
+    from tether.analysis.green_kubo import GreenKubo
 
 _TEMPERATURES = {
     "all": "temperature",
@@ -54,6 +62,10 @@ class Result:
     series: xr.Dataset
     """Samples over time: variables with labelled dimensions, see `tether.measurement.series`."""
     freedom: Freedom
+    steps: int
+    """Measured steps: as configured, or fewer if [measure] stop_when was met before."""
+    observers: Mapping[str, Observer]
+    """What [measure] asked for, by the names of its tables."""
     momentum_drift: float
     """Largest change of a component of the total momentum against the imposed profile, per particle."""
     performance: Performance
@@ -63,12 +75,72 @@ class Result:
     @cached_property
     def stress(self) -> NDArray[np.float64]:
         """Total stress over time: kinetic + conservative + dissipative + body; shape (n, d, d)."""
-        return np.asarray(total_stress(self.series).values)
+        return self._without_flow(total_stress(self.series))
 
     @cached_property
     def stress_pairwise(self) -> NDArray[np.float64]:
         """Kinetic + conservative + dissipative stress over time (the paper's eq. 16); shape (n, d, d)."""
-        return np.asarray(pairwise_stress(self.series).values)
+        return self._without_flow(pairwise_stress(self.series))
+
+    @cached_property
+    def _flow_energy(self) -> dict[str, float]:
+        """Twice the kinetic energy of the measured profile of a driven flow; empty for other flows.
+
+        The series has velocities against the imposed profile, and a driven flow has none.
+        """
+        profiles = self.observers.get("profiles")
+        is_driven = self.configuration.flow.is_driven and isinstance(profiles, Profiles)
+        return profiles.flow_energy() if is_driven and isinstance(profiles, Profiles) else {}
+
+    @property
+    def flow_is_known(self) -> bool:
+        """Whether the profile of a driven flow has been measured."""
+        return bool(self._flow_energy)
+
+    def _without_flow(self, stress: xr.DataArray) -> NDArray[np.float64]:
+        """Stress whose kinetic part is that about the measured profile."""
+        values = np.array(stress.values)
+        values[:, 0, 0] += self._flow_energy.get("all", 0.0) / self.configuration.box.volume
+        return values
+
+    def _temperature_over_time(self, of: str) -> NDArray[np.float64] | None:
+        """A kinetic temperature about the measured profile, shape (n,); None if there is no such group."""
+        name = _TEMPERATURES[of]
+        if name not in self.series:
+            return None
+        moving = self._flow_energy.get("constituents" if of == "body_translation" else of, 0.0)
+        return self._values(name) - moving / float(getattr(self.freedom, of))
+
+    @cached_property
+    def stress_with_noise(self) -> NDArray[np.float64]:
+        """Total stress with its random term over time, for what fluctuations tell; shape (n, d, d)."""
+        return self.stress + self._values("stress_random")
+
+    @cached_property
+    def observed(self) -> dict[str, xr.Dataset]:
+        """What observers found, by the names of their tables in [measure]."""
+        found = {name: observer.dataset() for name, observer in self.observers.items()}
+        return {name: dataset for name, dataset in found.items() if dataset is not None}
+
+    @cached_property
+    def datasets(self) -> dict[str, xr.Dataset]:
+        """The same, and the functions that the series tells of: a file each in the run's folder."""
+        return derived.datasets(self)
+
+    @cached_property
+    def fluctuations(self) -> GreenKubo | None:
+        """The viscosity by Green and Kubo with its spectrum, of a run at rest that asks for it."""
+        return derived.of_fluctuations(self)
+
+    @cached_property
+    def response(self) -> Moduli | None:
+        """The moduli, of a run under oscillating shear."""
+        return derived.of_oscillation(self)
+
+    @cached_property
+    def derived(self) -> dict[str, Estimate]:
+        """Means that not every run has: other routes to the viscosity, moduli, diffusion, sizes."""
+        return derived.estimates(self)
 
     @cached_property
     def viscosity(self) -> Estimate | None:
@@ -102,11 +174,17 @@ class Result:
 
     @cached_property
     def temperature(self) -> dict[str, Estimate | None]:
-        """Kinetic temperatures: all, solvent, constituents, body_translation, body_rotation."""
+        """Kinetic temperatures: all, solvent, constituents, body_translation, body_rotation.
+
+        With rigid bodies also constituents_raw, as if their constituents were free: no temperature, but in use.
+        """
+        over_time = {of: self._temperature_over_time(of) for of in _TEMPERATURES}
         found: dict[str, Estimate | None] = {
-            of: estimate(self._values(name)) if name in self.series else None for of, name in _TEMPERATURES.items()
+            of: estimate(values) if values is not None else None for of, values in over_time.items()
         }
         found["body_rotation"] = self._rotation_temperature()
+        if "temperature_constituents_raw" in self.series:
+            found["constituents_raw"] = estimate(self._values("temperature_constituents_raw"))
         return found
 
     @cached_property
@@ -114,9 +192,9 @@ class Result:
         """What must be stationary, by name: samples over time, shape (n,) each."""
         stress = self.stress
         found = {
-            f"temperature of {of.replace('_', ' ')}": self._values(name)
-            for of, name in _TEMPERATURES.items()
-            if name in self.series
+            f"temperature of {of.replace('_', ' ')}": values
+            for of in _TEMPERATURES
+            if (values := self._temperature_over_time(of)) is not None
         }
         found["pressure"] = -np.trace(stress, axis1=1, axis2=2) / self.configuration.dimension
         found["N1"] = stress[:, 0, 0] - stress[:, 1, 1]
@@ -133,9 +211,12 @@ class Result:
 
     @property
     def strain(self) -> float:
-        """Total strain of the measured steps."""
-        run = self.configuration.run
-        return abs(self.configuration.flow.shear_rate) * run.timestep * self.configuration.steps
+        """Total strain of the measured steps, forth and back counted alike."""
+        timestep = self.configuration.run.timestep
+        if "shear_rate" in self.series:
+            interval = self.configuration.series_interval * timestep
+            return float(np.abs(self.series["shear_rate"].values).sum() * interval)
+        return abs(self.configuration.flow.shear_rate) * timestep * self.steps
 
     @cached_property
     def warnings(self) -> list[str]:
@@ -156,8 +237,12 @@ class Result:
                 "constituents": configuration.constituent_count,
                 "bodies": sum(configuration.body_counts),
                 "volume_fraction": configuration.volume_fraction,
+                "volume_fraction_from": list(configuration.volume_fraction_sources),
+                "particle_fraction": configuration.particle_fraction,
+                "mass_fraction": configuration.mass_fraction,
             },
-            "steps": configuration.steps,
+            "flow": configuration.flow.kind,
+            "steps": self.steps,
             "shear_rate": configuration.flow.shear_rate,
             "strain": self.strain,
             "temperature": temperatures,
@@ -166,6 +251,7 @@ class Result:
             "statistical_inefficiency": {
                 name: _finite(e.inefficiency * configuration.series_interval) if e is not None else None
                 for name, e in self.estimates.items()
+                if name not in self.derived
             },
             "dimensionless": self.dimensionless.as_dict(),
             "warnings": self.warnings,
@@ -192,6 +278,7 @@ class Result:
             "viscosity_random": self.viscosity_random,
             "N1": self.N1,
             "N2": self.N2,
+            **self.derived,
         }
 
     def _values(self, name: str) -> NDArray[np.float64]:

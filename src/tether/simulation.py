@@ -15,14 +15,20 @@ from numpy.typing import NDArray
 from tether import measurement, placement
 from tether.bodies import Bodies
 from tether.box import Box
-from tether.config import Configuration, Output, Reference, Run, Start
+from tether.config import Configuration, Measure, Output, Reference, Run, Start
 from tether.drive import drive
 from tether.engines import cpu_engine, default_threads
 from tether.errors import InputError, RunError
 from tether.files.checkpoint import Checkpoint
 from tether.files.trajectory import read_frame
-from tether.flows import Couette, Rest
+from tether.flows import Flow, Rest, imposed_velocity
 from tether.fluid import Fluid
+from tether.goal import Goal
+from tether.interactions import Interaction
+from tether.observe.moment import Moment, moment_of
+from tether.observe.observer import Observer, part, under
+from tether.observe.observers import observers_of
+from tether.observe.stress_profile import StressProfile
 from tether.record import Record
 from tether.result import Performance, Result
 
@@ -58,13 +64,15 @@ class Simulation:
         box: Box,
         fluid: Fluid,
         bodies: Sequence[Bodies] = (),
-        flow: Rest | Couette | None = None,
+        interactions: Sequence[Interaction] = (),
+        flow: Flow | None = None,
         timestep: float,
         seed: int = 0,
         verlet_lambda: float = 0.5,
         engine: Literal["cpu", "reference"] = "cpu",
         precision: Literal["mixed", "double"] | None = None,
         start: Start | None = None,
+        measure: Measure | None = None,
         output: Output | None = None,
         reference: Reference | None = None,
         threads: int | None = None,
@@ -78,6 +86,7 @@ class Simulation:
                 box=box,
                 fluid=fluid,
                 bodies=tuple(bodies),
+                interactions=tuple(interactions),
                 flow=flow or Rest(),
                 # How long it runs, `run` says; until then, long enough for one sample.
                 run=Run(
@@ -88,6 +97,7 @@ class Simulation:
                     precision=precision,
                 ),
                 start=start,
+                measure=measure or Measure(),
                 output=output,
                 reference=reference or Reference(),
             ),
@@ -98,6 +108,9 @@ class Simulation:
     _samples: list[Vectors]
     _open: Vectors  # the sample that is not yet whole: what its steps so far add to it
     _open_steps: int
+    _observers: dict[str, Observer]
+    _goal: Goal
+    _stopped: int | None  # the step at which the means were good enough
     _momentum: Vectors | None  # when measuring began
     _seconds: float
 
@@ -162,7 +175,7 @@ class Simulation:
     @property
     def masses(self) -> Vectors:
         """Mass of each particle, shape (n,)."""
-        of_species = [self.configuration.fluid.mass, *(b.mass for b in self.configuration.bodies)]
+        of_species = [self.configuration.fluid.mass, *self.configuration.body_masses]
         return np.array(of_species)[self.species]
 
     @property
@@ -212,7 +225,7 @@ class Simulation:
             velocity = frame.peculiar_velocity
             if velocity is not None:
                 velocity -= self.masses @ velocity / self.masses.sum()
-                velocity[:, 0] += configuration.flow.velocity(frame.position[:, 1], configuration.box.size[1])
+                velocity[:, 0] += imposed_velocity(engine.shear_rate, frame.position[:, 1], configuration.box.size[1])
         else:
             size = np.array(configuration.box.size)
             at = np.mod(placement.positions(configuration, places), size)
@@ -222,7 +235,7 @@ class Simulation:
             self._start_gently()
             velocity = None
         if velocity is None:
-            velocity = placement.velocities(configuration, engine.position, self.masses, speeds)
+            velocity = placement.velocities(configuration, engine.position, self.masses, engine.shear_rate, speeds)
         engine.velocity = velocity
         engine.place()
         self._is_placed = True
@@ -244,8 +257,8 @@ class Simulation:
 
     @property
     def end(self) -> int:
-        """The step that the current run ends at."""
-        return self.measured_from + self.configuration.steps
+        """The step that the current run ends at: the last one, or that at which [measure] stop_when was met."""
+        return self._stopped or self.measured_from + self.configuration.steps
 
     @property
     def is_finished(self) -> bool:
@@ -263,13 +276,47 @@ class Simulation:
             self.engine.run(min(most_steps, self.measured_from - self.step))
         else:
             if self._momentum is None:
-                self._momentum = self._peculiar_momentum()
-            measured = self.engine.run(min(most_steps, self.end - self.step), 1)
-            if self.engine.fault is None:
-                self._sample(measured)
+                self._begin_to_measure()
+            last = min(self.step + most_steps, self.end)
+            while self.step < last and self.engine.fault is None and not self.is_finished:
+                self._measure(min(last, self._next_look()))
         self._seconds += time.perf_counter() - began
         if self.engine.fault is not None:
             raise self._runaway(*self.engine.fault)
+
+    def _begin_to_measure(self) -> None:
+        self._momentum = self._peculiar_momentum()
+        self._look()
+
+    def _measure(self, step: int) -> None:
+        """Go on to a step, not beyond the next look."""
+        measured = self.engine.run(step - self.step, 1)
+        if self.engine.fault is not None:
+            return
+        self._sample(measured)
+        due = [observer for observer in self._observers.values() if self.step % observer.interval == 0]
+        if due:
+            moment = self.moment()
+            for observer in due:
+                observer.sample(moment)
+        if self._goal.is_met(self.step, self.result):
+            self._stopped = self.step
+
+    def _next_look(self) -> int:
+        """The next step at which something is observed, or asked whether the means are good enough."""
+        looks = [self.step + o.interval - self.step % o.interval for o in self._observers.values()]
+        return min([*looks, *self._goal.next_look(self.step), self.end])
+
+    def _look(self) -> None:
+        """Let the core look at the local stress from here on, if it is asked for."""
+        profile = self._observers.get("stress_profile")
+        if isinstance(profile, StressProfile):
+            self.engine.observe_stress(profile.bins, profile.interval)
+
+    def moment(self) -> Moment:
+        """The suspension at this step, as observers see it."""
+        self.place()
+        return moment_of(self.engine, self.configuration, self.masses)
 
     def series(self) -> xr.Dataset:
         """What has been measured so far, over time. Raises RunError when nothing has been."""
@@ -289,6 +336,8 @@ class Simulation:
             configuration=self.configuration,
             series=series,
             freedom=self._freedom(),
+            steps=self.step - self.measured_from,
+            observers=self._observers,
             momentum_drift=float(drift),
             performance=Performance(
                 self._seconds,
@@ -309,9 +358,9 @@ class Simulation:
         return self._samples[0] if self._samples else np.empty((0, len(self._open)))
 
     def kinetic_temperature(self) -> float:
-        """Kinetic temperature of all particles at this moment."""
-        v = self._peculiar_velocities()
-        return float((self.masses[:, None] * v**2).sum() / (v.shape[1] * (len(v) - 1)))
+        """Kinetic temperature of all particles at this moment; in a driven flow, with the energy of the flow in it."""
+        energy = (self.masses[:, None] * self._peculiar_velocities() ** 2).sum()
+        return float(energy / self._freedom().all)
 
     # --- checkpoints ---
 
@@ -330,7 +379,15 @@ class Simulation:
                 "open": self._open,
                 "momentum": self._momentum if self._momentum is not None else np.empty(0),
             },
-            numbers={"step": engine.step, "begin": self._begin, "open_steps": self._open_steps},
+            observed={
+                key: array for name, each in self._observers.items() for key, array in under(name, each.state()).items()
+            },
+            numbers={
+                "step": engine.step,
+                "begin": self._begin,
+                "open_steps": self._open_steps,
+                "stopped": self._stopped or 0,
+            },
             offset=engine.offset,
             seconds=self._seconds,
             order=engine.order,
@@ -348,6 +405,13 @@ class Simulation:
         self._samples = [arrays["samples"]] if len(arrays["samples"]) else []
         self._open, self._open_steps = arrays["open"], checkpoint.numbers["open_steps"]
         self._momentum = arrays["momentum"] if len(arrays["momentum"]) else None
+        wants_to_stop = self.configuration.measure.stop_when is not None
+        self._stopped = (checkpoint.numbers["stopped"] or None) if wants_to_stop else None
+        self._set_up()
+        for name, observer in self._observers.items():
+            observer.restore(part(name, checkpoint.observed))
+        if self._momentum is not None:
+            self._look()
         self._seconds = checkpoint.seconds
         self._is_placed = True
 
@@ -358,13 +422,21 @@ class Simulation:
         self._open_steps = 0
         self._momentum = None
         self._seconds = 0.0
+        self._stopped = None
+        self._set_up()
+
+    def _set_up(self) -> None:
+        """Observers that have seen nothing, and the means that are wanted."""
+        self.engine.observe_stress(0, 1)
+        self._observers = observers_of(self.configuration)
+        self._goal = Goal(self.configuration, self.measured_from)
 
     def _sample(self, measured: Vectors) -> None:
         """Take the measured steps into samples, step by step in their order: sums do not depend on the portions."""
         interval = self.configuration.series_interval
-        for part in np.split(measured / interval, np.arange(interval - self._open_steps, len(measured), interval)):
-            self._open = np.add.accumulate(np.vstack([self._open, part]))[-1]
-            self._open_steps += len(part)
+        for share in np.split(measured / interval, np.arange(interval - self._open_steps, len(measured), interval)):
+            self._open = np.add.accumulate(np.vstack([self._open, share]))[-1]
+            self._open_steps += len(share)
             if self._open_steps == interval:
                 self._samples.append(self._open[None])
                 self._open, self._open_steps = np.zeros_like(self._open), 0
@@ -375,7 +447,8 @@ class Simulation:
 
     def _peculiar_velocities(self) -> Vectors:
         v = self.engine.velocity
-        v[:, 0] -= self.configuration.flow.velocity(self.engine.position[:, 1], self.configuration.box.size[1])
+        height = self.configuration.box.size[1]
+        v[:, 0] -= imposed_velocity(self.engine.shear_rate, self.engine.position[:, 1], height)
         return v
 
     def _runaway(self, step: int, particle: int, speed: float) -> RunError:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import jsonschema
 import matplotlib.image
@@ -15,6 +16,7 @@ import pytest
 from small_runs import assert_one_sentence, names, summary, tether, write_couette
 
 import tether as tt
+from tether.flows import Flow
 
 
 def test_version() -> None:
@@ -99,7 +101,8 @@ def test_relative_viscosity_runs_the_plain_fluid_once(tmp_path: Path) -> None:
     suspension, plain = summary(out), summary(out / "plain_fluid")
     ratio = suspension["viscosity"]["value"] / plain["viscosity"]["value"]
     assert relative["relative_viscosity"]["value"] == pytest.approx(ratio)
-    assert plain["particles"] == {"solvent": 64, "constituents": 0, "bodies": 0, "volume_fraction": 0.0}
+    particles = plain["particles"]
+    assert (particles["solvent"], particles["constituents"], particles["volume_fraction"]) == (64, 0, 0.0)
     written = (out / "plain_fluid" / "summary.json").stat().st_mtime_ns
     again = tether("run", config, "--out", out, "--force", *options)
     assert again.code == 0
@@ -163,12 +166,36 @@ def test_summary_has_every_key_and_null_for_what_does_not_exist(tmp_path: Path, 
         temperature=table(**{name: of(name) for name in temperatures}),
         momentum_drift=number,
         performance=table(particle_steps_per_second=number, seconds=number, threads=integer),
+        flow={"const": "rest" if "rest" in case else "couette"},
         **{name: of(name) for name in ("pressure", "viscosity", "viscosity_pairwise", "N1", "N2")},
     )
     jsonschema.validate(found, schema)
     assert found["momentum_drift"] < 1e-12
     for name in absent:
         assert name.replace("_", " ") not in outcome.out.split("warning")[0]
+
+
+def test_the_table_has_every_mean_in_its_group_and_says_what_has_no_value(finished: Path) -> None:
+    found = summary(finished)
+    mean = {"value": 2.5, "error": 0.1}
+    new = {
+        "viscosity_planes": mean, "viscosity_momentum_balance": {"value": 2.5, "error": None},
+        "viscosity_green_kubo": {"value": None, "error": None}, "storage_modulus": mean,
+        "temperature_configurational": mean, "diffusion_solvent": mean, "diffusion_rotational_my_rod": mean,
+        "effective_radius_my_rod": mean, "something_new": mean,
+    }  # fmt: skip
+    found["temperature"]["constituents_raw"] = mean
+    (finished / "summary.json").write_text(json.dumps({**found, **new}))
+    outcome = tether("show", finished)
+    assert outcome.code == 0
+    lines = outcome.out.splitlines()
+    names = ("viscosity planes", "storage modulus", "pressure", "kT constituents raw", "kT configurational",
+             "diffusion rotational my rod", "effective radius my rod", "something new")  # fmt: skip
+    row = {name: [line[1:].startswith(f"{name} ") for line in lines].index(True) for name in names}
+    assert list(row.values()) == sorted(row.values())
+    assert "too short for an error" in next(line for line in lines if "viscosity momentum balance" in line)
+    assert "too short for it" in next(line for line in lines if "viscosity green kubo" in line)
+    assert "of the orientation" in lines[row["diffusion rotational my rod"]]
 
 
 # plot
@@ -211,6 +238,50 @@ def test_plot_of_the_smallest_of_runs(tmp_path: Path, settings: list[str]) -> No
     assert (out / "series.png").stat().st_size > 10_000
 
 
+STRESS = {"profiles": "{bins = 4, every = 10}", "stress_profile": "{bins = 4, every = 10}"}
+STRUCTURE = {"radial_distribution": "{every = 20, width = 0.05}", "displacement": "{every = 5}"}
+FLOWS: dict[str, tuple[str, dict[str, str], set[str]]] = {
+    "couette": ("shear_rate = 0.5", STRESS | STRUCTURE, {"profile", *STRESS, *STRUCTURE}),
+    "rest": ("", STRUCTURE | {"green_kubo": "true"}, {"profile", "green_kubo", *STRUCTURE}),
+    "oscillatory": ("strain_amplitude = 0.5, angular_frequency = 5.0", {}, {"lissajous"}),
+    "stages": (
+        "stages = [{shear_rate = 0.5, duration = 0.2}, {shear_rate = 0.0, duration = 0.2}]", {}, {"start_up"},
+    ),
+    "poiseuille": ("force = 0.5", STRESS, set(STRESS)),
+    "kolmogorov": ("force = 0.5", {}, {"profiles"}),
+}  # fmt: skip
+"""Of each kind of flow: its keys, what is measured, and the pictures that there are beside the series."""
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_plot_draws_a_picture_of_everything_that_was_measured(tmp_path: Path, flow: str) -> None:
+    keys, measured, expected = FLOWS[flow]
+    out = tmp_path / "out"
+    options = [f'flow={{kind = "{flow}"{", " if keys else ""}{keys}}}', "run.steps=1500"]
+    options += [f"measure.{name}={table}" for name, table in measured.items()]
+    settings = [word for setting in options for word in ("--set", setting)]
+    outcome = tether("run", write_couette(tmp_path), "--out", out, "--quiet", *settings)
+    assert outcome.code == 0, outcome
+    outcome = tether("plot", out)
+    assert (outcome.code, outcome.err) == (0, "")
+    pictures = {f"{name}.{kind}" for name in {"series", *expected} for kind in ("png", "svg")}
+    assert {Path(path).name for path in outcome.out.split()} == pictures
+    assert {path.name for path in out.iterdir() if path.suffix in (".png", ".svg")} == pictures
+    assert tether("show", out).code == 0
+
+
+def test_plot_of_damaged_or_unfinished_results(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    options = ["--set", 'flow={kind = "kolmogorov", force = 0.5}']
+    assert tether("run", write_couette(tmp_path), "--out", out, "--quiet", *options).code == 0
+    (out / "profiles.nc").write_bytes(b"text")
+    assert_one_sentence(tether("plot", out), 2, "profiles.nc is damaged", "run the configuration again")
+    assert not (out / "series.png").exists(), "nothing is drawn, rather than some"
+    (out / "summary.json").unlink()  # as of a run that was stopped: what belongs to its end is not drawn
+    assert [Path(path).name for path in tether("plot", out).out.split()] == ["series.png", "series.svg"]
+    assert "; energy of the" in (out / "series.svg").read_text(), "no profile is known to take the flow off by"
+
+
 def test_one_sample_cannot_be_drawn(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert tether("run", write_couette(tmp_path), "--out", out, "--quiet", "--set", "run.steps=1").code == 0
@@ -220,7 +291,10 @@ def test_one_sample_cannot_be_drawn(tmp_path: Path) -> None:
 # init, schema
 
 
-@pytest.mark.parametrize("flow", ["couette", "rest"])
+KINDS = [kind.model_fields["kind"].default for kind in get_args(get_args(Flow)[0])]
+
+
+@pytest.mark.parametrize("flow", KINDS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_init_writes_a_file_that_runs(tmp_path: Path, flow: str, dimension: int) -> None:
     config = tmp_path / "my run.toml"
@@ -231,12 +305,30 @@ def test_init_writes_a_file_that_runs(tmp_path: Path, flow: str, dimension: int)
     assert_one_sentence(tether("init", config), 2, "exists", "name another file")
     assert_one_sentence(tether("init", tmp_path / "none" / "my.toml"), 2, "cannot be written", "name another file")
     jsonschema.validate(tomllib.loads(config.read_text()), json.loads(tether("schema").out))
-    options = ["--set", "run.equilibration=5", "--set", "run.steps=10"]
+    options = ["--set", "run.equilibration=5", "--set", "run.steps=60"]
     assert tether("run", config, "--out", tmp_path / "out", "--quiet", *options).code == 0
     found = summary(tmp_path / "out")
     assert found["dimension"] == dimension
-    assert (found["viscosity"] is None) == (flow == "rest")
+    assert (found["flow"], found["viscosity"] is None) == (flow, flow != "couette")
     assert math.isfinite(found["pressure"]["value"])
+
+
+@pytest.mark.parametrize("flow", KINDS)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_init_leaves_commented_out_is_valid_too(tmp_path: Path, flow: str, dimension: int) -> None:
+    text = tether("init", "-", "--flow", flow, "--dimension", dimension).out
+    assert max(map(len, text.splitlines())) <= 110
+    config = tmp_path / "all.toml"
+    config.write_text(re.sub(r"^# (?=\[|\w+ = )", "", text, flags=re.MULTILINE))
+    made = tt.load(config)
+    assert (made.flow.kind, made.dimension) == (flow, dimension)
+    measured = set(tomllib.loads(config.read_text())["measure"])
+    assert set(tt.Measure.model_fields) - measured <= {"green_kubo", "stop_when"}
+    assert tt.load(config).measure == tt.Measure.model_validate(
+        dict.fromkeys(measured - {"stop_when", "green_kubo"}, True)
+        | {"green_kubo": made.measure.green_kubo, "stop_when": made.measure.stop_when}
+    ), "what is written there are the defaults"
+    jsonschema.validate(tomllib.loads(config.read_text()), json.loads(tether("schema").out))
 
 
 def test_the_schema_takes_the_examples_and_what_is_resolved_and_refuses_typing_errors(finished: Path) -> None:
@@ -247,7 +339,16 @@ def test_the_schema_takes_the_examples_and_what_is_resolved_and_refuses_typing_e
     for path in [*examples, finished / "config.toml", finished.parent / "couette.toml"]:
         jsonschema.validate(tomllib.loads(path.read_text()), schema)
     good = tomllib.loads((finished / "config.toml").read_text())
+    for kind in KINDS:  # without a kind no flow is one
+        flow = {key: value for key, value in _flow_of_template(kind).items() if key != "kind"}
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate({**good, "flow": flow}, schema)
     for table, key, value in [("fluid", "temprature", 1.0), ("fluid", "temperature", "1"), ("flow", "kind", "shear")]:
         spoiled = {**good, table: {**good[table], key: value}}
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(spoiled, schema)
+
+
+def _flow_of_template(kind: str) -> dict[str, Any]:
+    flow: dict[str, Any] = tomllib.loads(tether("init", "-", "--flow", kind).out)["flow"]
+    return flow

@@ -15,7 +15,7 @@ SPOILED = [
     ("steps = 200", "steps = 0", "line 20", "at least 1"),
     ("size = [4.0, 4.0]", "size = [4.0, 2.5]", "line 4", "shorter than 3 cutoffs"),
     ("count = 3", "count = 5000", "line 9", "5000 bodies cannot be placed"),
-    ('kind = "couette"', 'kind = "shear"', "line 14", 'give "rest" or "couette"'),
+    ('kind = "couette"', 'kind = "shear"', "line 14", '"stages", "poiseuille" or "kolmogorov"'),
     ("seed = 7", "seed = 7 8", "line 1", "couette.toml"),
 ]
 
@@ -39,7 +39,16 @@ def test_a_spoiled_file_is_refused_in_one_sentence(
         (["--set", "run.timestep=0.5"], "too long for springs"),
         (["--seed", "-1"], "--seed -1: seed = -1 must be at least 0"),
         (["--relative", "--set", "bodies=[]"], "--relative needs bodies"),
-        (["--relative", "--set", 'flow={kind = "rest"}'], "--relative needs bodies and a shear flow"),
+        (["--relative", "--set", 'flow={kind = "poiseuille", force = 0.1}'], "a steady shear flow"),
+        (["--set", "measure.green_kubo=true"], "green_kubo = true needs a suspension at rest"),
+        (["--set", "measure.radial_distribution.range=3.0"], "is more than a third of the smallest side, 4"),
+        (["--set", "measure.stop_when={viscosity = 0.01}", "--set", 'flow={kind = "rest"}'], "needs a steady shear"),
+        (["--set", "measure.profile=true"], "did you mean profiles?"),
+        (["--set", 'flow={kind = "poiseuille"}'], "force is missing"),
+        (["--set", 'flow={kind = "stages", stages = []}'], "flow.stages"),
+        (["--set", 'flow={kind = "stages", stages = [{shear_rate = 0.5}]}'], "duration is missing"),
+        (["--set", 'flow={kind = "oscillatory", strain_amplitude = 0.5, angular_frequency = 0}'], "greater than 0"),
+        (["--relative", "--set", 'flow={kind = "rest"}'], "--relative needs bodies and a steady shear flow"),
     ],
 )
 def test_wrong_options_are_refused_in_one_sentence(

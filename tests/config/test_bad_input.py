@@ -56,7 +56,7 @@ SPOILED = [
     ("temperature = 1.0", "", 6, "fluid.temperature is missing", "for example temperature = 1.0"),
     ("timestep = 0.005", "", 25, "run.timestep is missing", "for example timestep = 0.005"),
     ("shear_rate = 0.2", "", 21, "flow.shear_rate is missing", "for example shear_rate = 0.05"),
-    ('kind = "couette"', "", 21, "flow.kind is missing", 'give "rest" or "couette"'),
+    ('kind = "couette"', "", 21, "flow.kind is missing", 'give "rest", "couette", '),
     ("size = [10.0, 10.0, 10.0]", "", 3, "box.size is missing", "for example size = [20.0, 20.0, 10.0]"),
     ("[box]\nsize = [10.0, 10.0, 10.0]", "", None, "box is missing", "add a table [box] with size"),
     ("count = 125", "", 14, "bodies.0.count is missing, and so is volume_fraction", "exactly one of"),
@@ -140,7 +140,7 @@ SPOILED = [
         "kind = 3",
         22,
         "flow.kind = 3 is none of the kinds there are",
-        'give "rest" or "couette"',
+        'give "rest", "couette", ',
     ),
     (
         "{ seconds = 60 }",
@@ -239,7 +239,7 @@ SPOILED = [
         '"square"',
         15,
         'bodies.0.shape = "square" has 2 dimensions and the box has 3',
-        '"octahedron" or',
+        '"octahedron", ',
     ),
     ("spacing = 0.25", "spacing = 3", 16, "bodies.0.spacing makes a body of diameter 5.2", "over 11.43"),
     ("timestep = 0.005", "timestep = 0.04", 26, "run.timestep = 0.04 is too long for springs", "try 0.009"),
@@ -373,10 +373,114 @@ def test_points(folder: Path, couette: str, points: str, problem: str) -> None:
     assert str(caught.value).startswith(f"couette.toml, line 16: {problem}")
 
 
+# what stands instead of the table of bodies, the line that is named, the problem, a part of the remedy
+BODIES = [
+    ('shape = "disc"', 14, "bodies.0.radius is missing (shape", "for example radius = 1.0"),
+    ('shape = "rod"', 14, "bodies.0.length is missing (shape", "for example length = 1.0"),
+    ('shape = "ellipsoid"', 14, "bodies.0.semiaxes is missing (shape", "for example semiaxes = [1.0, 0.5, 0.5]"),
+    ('shape = "cube"\nradius = 1', 16, "bodies.0.radius does not go with", 'or give shape = "disc" or "sphere"'),
+    ('shape = "sphere"\nlength = 1\nradius = 1', 16, "bodies.0.length does not go with", 'give shape = "rod"'),
+    ('shape = "sphere"\nradius = 0.2', 16, "bodies.0.radius = 0.2 is shorter than the spacing", "a smaller spacing"),
+    ('shape = "sphere"\nradius = 1.5', 16, "bodies.0.radius = 1.5 makes 1163 sites", "a larger spacing"),
+    ('shape = "sphere"\nradius = 1e9', 16, "bodies.0.radius = 1000000000.0 makes 2.68", "a smaller body"),
+    ('shape = "sphere"\nradius = 2.4\nspacing = 0.6', 16, "bodies.0.radius makes a body of diameter 4.8", "smaller"),
+    ('shape = "disc"\nradius = 1', 15, 'bodies.0.shape = "disc" has 2 dimensions', '"cube" or "sphere"'),
+    ('shape = "rod"\nlength = 300', 16, "bodies.0.length = 300.0 makes 1200 sites", "a smaller body"),
+    ('shape = "rod"\nlength = 1e99', 16, "bodies.0.length = 1e+99 is absurdly large", "to 1e30"),
+    ('shape = "rod"\nlength = 8', 16, "bodies.0.length makes a body of diameter 8", "over 17.6"),
+    ('shape = "ellipsoid"\nsemiaxes = [1, 0.1, 1]', 16, "bodies.0.semiaxes = 0.1 is shorter than", "a smaller spacing"),
+    ('shape = "ellipsoid"\nsemiaxes = [1, 0, 1]', 16, "bodies.0.semiaxes.1 = 0 must be greater than 0", "than 0"),
+    ('shape = "ellipsoid"\nsemiaxes = [1, 0.5]', 16, "bodies.0.semiaxes has 2 numbers and the box", "give 3 numbers"),
+    ('shape = "ellipsoid"\nsemiaxes = [1]', 16, "bodies.0.semiaxes = [1] has 1 item", "give at least 2"),
+    ('model = "rigid"\nstiffness = 1e5', 16, 'bodies.0.stiffness does not go with model = "rigid"', "take it out"),
+    ('model = "rigid"\nbase = "massless"', 16, 'bodies.0.base does not go with model = "rigid"', "take it out"),
+    ('model = "stiff"', 15, 'bodies.0.model = "stiff" is none of the values', '"tethered", "rigid" or "single"'),
+    ('model = "single"', 14, 'bodies.0.radius is missing (model = "single"', "for example radius = 1.0"),
+    ('model = "single"\nradius = 1\nshape = "cube"', 17, 'bodies.0.shape does not go with model = "single"', "out"),
+    ('model = "single"\nradius = 1\nstiffness = 9', 17, "bodies.0.stiffness does not go with model", "out"),
+    ('model = "single"\nradius = 1\neffective_radius = 1', 17, "bodies.0.effective_radius does not go", "out"),
+    ('model = "single"\nradius = 3', 16, "bodies.0.radius makes a body of diameter 6", "sides of box.size over 13.2"),
+    ("effective_radius = 5", 16, "bodies.0.count = 2 makes bodies of a volume of 1047", "fewer or smaller"),
+    ("effective_radius = 0", 15, "bodies.0.effective_radius = 0 must be greater than 0", "than 0"),
+    ('name = "solvent"', 15, 'bodies.0.name = "solvent" is taken', "give the bodies another name"),
+    ('name = ""', 15, 'bodies.0.name = "" is empty', "or leave it out"),
+    ('name = "a\\nb"', 15, "bodies.0.name is no plain word", "at most 60 letters"),
+    ('name = "a/b"', 15, "bodies.0.name is no plain word", "at most 60 letters"),
+    ('name = "bodies"', 15, 'bodies.0.name = "bodies" could be taken for another result', "give another one"),
+    (
+        'name = "two"\ncount = 1\n[[bodies]]\nname = "two"',
+        18,
+        'bodies.1.name = "two" is the name of bodies.0',
+        "of its own",
+    ),
+    ('name = "cube"\ncount = 1\n[[bodies]]', 15, 'bodies.0.name = "cube" is the name of bodies.1', "of its own"),
+]
+
+
+@pytest.mark.parametrize(("table", "line", "problem", "remedy"), BODIES)
+def test_bodies(folder: Path, couette: str, table: str, line: int, problem: str, remedy: str) -> None:
+    before, after = couette.split("[[bodies]]")[0], couette.split("stiffness = 3000.0\n")[1]
+    (folder / "couette.toml").write_text(f"{before}[[bodies]]\n{table}\ncount = 2\n{after}")
+    with pytest.raises(InputError) as caught:
+        load("couette.toml")
+    sentence = str(caught.value)
+    assert sentence.startswith(f"couette.toml, line {line}: {problem}")
+    assert remedy in sentence.rpartition("; ")[2]
+    assert re.fullmatch(r"[^\n]+ \(.+\); [^\n]+", sentence)
+    assert "more error" not in sentence
+
+
+# the keys of one [[interactions]] table, the problem, a part of the remedy
+INTERACTIONS = [
+    ('between = ["solvent", "cubes"]', 'interactions.0.between.1 = "cubes" is no species', 'did you mean "cube"?'),
+    ('between = ["solvent", "x"]', 'interactions.0.between.1 = "x" is no species', 'give "solvent" or "cube"'),
+    ('between = ["solvent"]', 'interactions.0.between = ["solvent"] has 1 item', "give at least 2"),
+    ('between = "solvent"', 'interactions.0.between = "solvent" is text, not a list', "a list in brackets"),
+    ("cutoff = 1", "interactions.0.between is missing", 'for example between = ["solvent", "colloid"]'),
+    ('between = ["cube", "cube"]\nsteepness = 2', "interactions.0.steepness does not go with law", "take it out, or"),
+    ('between = ["cube", "cube"]\nlaw = "exponential"', "interactions.0.steepness is missing", "steepness = 20.0"),
+    ('between = ["cube", "cube"]\nlaw = "steep"', 'interactions.0.law = "steep" is none', '"linear" or "exponential"'),
+    (
+        'between = ["cube", "cube"]\ncutoff = 4',
+        "box.size = [10.0, 10.0, 10.0] has a side",
+        "smaller interactions.0.cutoff",
+    ),
+    (
+        'between = ["cube", "cube"]\nfriction = 1\nnoise = 1',
+        "interactions.0.noise = 1.0 is given beside friction",
+        "give one of them, or neither",
+    ),
+    (
+        'between = ["cube", "solvent"]\n[[interactions]]\nbetween = ["solvent", "cube"]',
+        'interactions.1.between = ["solvent", "cube"] is there already (interactions.0 is',
+        "take one of them out",
+    ),
+]
+
+
+@pytest.mark.parametrize(("keys", "problem", "remedy"), INTERACTIONS)
+def test_interactions(folder: Path, couette: str, keys: str, problem: str, remedy: str) -> None:
+    (folder / "couette.toml").write_text(f"{couette}[[interactions]]\n{keys}\n")
+    with pytest.raises(InputError) as caught:
+        load("couette.toml")
+    sentence = str(caught.value)
+    assert sentence.partition(": ")[2].startswith(problem)
+    assert remedy in sentence.rpartition("; ")[2]
+    assert re.fullmatch(r"[^\n]+ \(.+\); [^\n]+", sentence)
+    assert "more error" not in sentence
+
+
 def test_strain_at_rest(folder: Path, couette: str) -> None:
     text = couette.replace('"couette"\nshear_rate = 0.2', '"rest"').replace("steps = 20000", "strain = 2")
     (folder / "couette.toml").write_text(text)
-    with pytest.raises(InputError, match=r"line 27: run\.strain = 2\.0 needs a flow that shears \("):
+    with pytest.raises(InputError, match=r"line 27: run\.strain = 2\.0 needs a flow that shears steadily \("):
+        load("couette.toml")
+
+
+def test_a_stage_shorter_than_a_step(folder: Path, couette: str) -> None:
+    stages = '"stages"\nstages = [{ shear_rate = 0.0, duration = 1.0 }, { shear_rate = 0.2, duration = 0.002 }]'
+    (folder / "couette.toml").write_text(couette.replace('"couette"\nshear_rate = 0.2', stages))
+    with pytest.raises(InputError, match=r"line 23: flow\.stages\.1\.duration = 0\.002 is less than half a step \("):
         load("couette.toml")
 
 

@@ -57,6 +57,19 @@ def test_one_of_two_exclusive_keys_replaces_the_other() -> None:
     assert load("couette.toml", ["output.checkpoint.steps=9"]).output.checkpoint.steps == 9
 
 
+def test_a_value_that_excludes_keys_takes_them_out(folder: Path, couette: str) -> None:
+    rigid = load("couette.toml", ["bodies.0.model=rigid"]).bodies[0]
+    assert (rigid.model, rigid.shape, rigid.base, rigid.stiffness) == ("rigid", "cube", None, None)
+    single = load("couette.toml", ["bodies.0.model=single", "bodies.0.radius=0.5"]).bodies[0]
+    assert (single.model, single.shape, single.spacing, single.radius) == ("single", None, None, 0.5)
+    with pytest.raises(InputError, match=r"^--set bodies.0.base=massless: bodies\.0\.base does not go with model"):
+        load("couette.toml", ["bodies.0.model=rigid", "bodies.0.base=massless"])
+    law = '[[interactions]]\nbetween = ["solvent", "cube"]\nlaw = "exponential"\nsteepness = 20\nfriction = 3.0\n'
+    (folder / "steep.toml").write_text(couette + law)
+    changed = load("steep.toml", ["interactions.0.law=linear", "interactions.0.noise=2"]).interactions[0]
+    assert (changed.law, changed.steepness, changed.friction, changed.noise) == ("linear", None, None, 2.0)
+
+
 def test_two_exclusive_overrides_are_an_error() -> None:
     with pytest.raises(InputError, match=r"^--set run.strain=2: run\.strain = 2\.0 is given beside steps"):
         load("couette.toml", ["run.strain=2", "run.steps=3"])

@@ -5,11 +5,13 @@ from __future__ import annotations
 import runpy
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from small_runs import summary, tether
 
-from tether.config import load
+from tether.config import Measure, load
+from tether.flows import Flow
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CONFIGURATIONS = sorted(EXAMPLES.glob("**/*.toml"))
@@ -21,6 +23,15 @@ def test_there_are_examples_and_no_others_than_those_run_here() -> None:
     assert CONFIGURATIONS
     scripts = [EXAMPLES / name for name in SCRIPTS]
     assert sorted(path for path in EXAMPLES.glob("**/*") if path.is_file()) == sorted([*CONFIGURATIONS, *scripts])
+
+
+def test_examples_show_every_flow_every_model_and_every_measurement() -> None:
+    shown = [load(path) for path in CONFIGURATIONS]
+    kinds = {kind.model_fields["kind"].default for kind in get_args(get_args(Flow)[0])}
+    assert {example.flow.kind for example in shown} == kinds
+    assert {bodies.model for example in shown for bodies in example.bodies} == {"tethered", "rigid", "single"}
+    for name in Measure.model_fields:
+        assert any(getattr(example.measure, name) for example in shown), name
 
 
 @pytest.mark.parametrize("name", SCRIPTS)

@@ -144,6 +144,23 @@ void arithmetic() {
     compare("where", where<Real, N>(no_number < no_number, no_number), nothing);
 }
 
+// A pack of one lane has the same operations in the same order.
+template <class Real>
+void exponentials() {
+    constexpr int N = law_lanes<Real>;
+    auto const check = [](Pack<Real, N> a) {
+        Real alone[N], less[N];
+        for (int k = 0; k < N; ++k) {
+            alone[k] = exponential(Pack<Real, 1>(a.lanes[k])).lanes[0];
+            less[k] = exponential_less_one(Pack<Real, 1>(a.lanes[k])).lanes[0];
+        }
+        compare("exponential", exponential(a), alone);
+        compare("exponential less one", exponential_less_one(a), less);
+    };
+    check(filled<Real, N>([] { return between<Real>(-80.0, 0.0); }));
+    check(filled<Real, N>([] { return -std::ldexp(between<Real>(0.5, 1.0), static_cast<int>(word() % 80) - 60); }));
+}
+
 template <class Real, class Integer>
 void rounding(double most) {
     constexpr int N = law_lanes<Real>;
@@ -255,6 +272,8 @@ int main() {
         bits();
         arithmetic<float>();
         arithmetic<double>();
+        exponentials<float>();
+        exponentials<double>();
         rounding<float, std::int32_t>(2147483000.0);
         rounding<double, std::int64_t>(2251799813685247.0);
         quads<float>();

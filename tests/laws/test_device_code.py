@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 CORE = Path(__file__).parent.parent.parent / "core"
-SHARED = ("lane.hpp", "noise.hpp", "laws/weight.hpp", "laws/dpd.hpp")
+SHARED = ("lane.hpp", "noise.hpp", "laws/weight.hpp", "laws/dpd.hpp", "laws/steep.hpp")
 
 KERNEL = """\
-#include "laws/dpd.hpp"
+#include "laws/steep.hpp"
 #include "noise.hpp"
 
 using namespace tether;
@@ -28,6 +28,8 @@ __device__ void pair(Weight weight, std::uint32_t const* id, Real* out) {
     PairForce<Real> const force = Dpd<Weight>{weight}(Pair<Real>{out[0], out[1], noise}, parameters);
     out[2] = noise;
     out[3] = force.total();
+    SteepParameters<Real> const steep{parameters, Real(1.0), Real(20.0), Real(5e3)};
+    out[3] += SteepDpd<Weight>{weight}(Pair<Real>{out[0], out[1], noise}, steep).total();
 }
 
 template <class Real>

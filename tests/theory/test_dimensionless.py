@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import numpy as np
 import pytest
 
 from tether.bodies import Bodies
@@ -12,7 +13,7 @@ from tether.box import Box
 from tether.config import Configuration, Reference, Run
 from tether.flows import Couette, Rest
 from tether.fluid import Fluid
-from tether.theory.dimensionless import dimensionless
+from tether.theory.dimensionless import dimensionless, peclet
 
 
 def configuration(dimension=3, temperature=1.0, rate=0.1, bodies=None, fluid=None, reference=None):
@@ -37,6 +38,14 @@ def test_peclet_of_the_captions(dimension, temperature, rate, printed):
     """Captions of figures 10 and 11. (In 2D they are the source of D_0. 3D, kT = 1 has 0.07, not 0.08.)"""
     result = dimensionless(configuration(dimension, temperature, rate))
     assert result.peclet == pytest.approx(printed, rel=0.04)
+
+
+def test_peclet_of_numbers():
+    """Eq. 18 with Tables 1 and 2: 3D at kT = 0.5 and 1, figure 11's rates. The sign of the rate is left out."""
+    pe = peclet(np.array([-0.0075, 0.01]), np.array([0.64, 0.605]), np.array([0.011, 0.046]))
+    np.testing.assert_allclose(pe, [0.279, 0.0796], atol=5e-4)
+    assert isinstance(peclet(0.1, 0.5, 0.02), float)
+    assert peclet(0.1, 0.5, 0.02) == pytest.approx(1.25)
 
 
 @pytest.mark.parametrize(("dimension", "temperature", "printed"), [(2, 1.0, 1.02), (3, 1.0, 2.91), (3, 0.5, 1.78)])
@@ -82,6 +91,17 @@ def test_other_bodies_in_the_paper_s_fluid():
     assert result.viscosity.value == 2.5106
     assert result.radius.source.startswith("estimate")
     assert result.diffusivity.source.startswith("estimate")
+
+
+@pytest.mark.parametrize(
+    ("keys", "radius"),
+    [({"shape": "sphere", "radius": 1.0}, 1.0), ({"shape": "cube", "effective_radius": 0.8}, 0.8)],
+)
+def test_bodies_that_state_their_size(keys, radius):
+    result = dimensionless(configuration(bodies=[Bodies(count=3, **keys)]), pressure=33.0)
+    assert result.radius.value == pytest.approx(radius)
+    assert "effective radius" in result.radius.source
+    assert result.mach is not None
 
 
 def test_largest_of_several_shapes():

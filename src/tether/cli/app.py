@@ -12,7 +12,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -20,11 +19,10 @@ from rich.table import Table
 from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
 from tether.cli.table import table
-from tether.config import Configuration, Source, json_schema, template
+from tether.config import Source, json_schema, template
 from tether.drive import Stopped, drive
 from tether.engines import instruction_set, instruction_sets, mathematics
 from tether.errors import InputError, TetherError
-from tether.files.trajectory import velocity_profile
 from tether.record import Record
 from tether.resume import resume as resumed
 from tether.simulation import Simulation
@@ -51,6 +49,10 @@ class FlowKind(StrEnum):
 
     couette = "couette"
     rest = "rest"
+    oscillatory = "oscillatory"
+    stages = "stages"
+    poiseuille = "poiseuille"
+    kolmogorov = "kolmogorov"
 
 
 def _print_version(wanted: bool) -> None:
@@ -95,8 +97,8 @@ def run(
     configuration = source.configuration()
     if relative and (not configuration.bodies or configuration.flow.shear_rate == 0):
         raise InputError(
-            "--relative needs bodies and a shear flow",
-            "it divides the viscosity by that of the same fluid without bodies",
+            "--relative needs bodies and a steady shear flow",
+            "it divides the viscosity S_xy / rate by that of the same fluid without bodies",
             "run without --relative",
         )
     folder = out or Path(config.stem)
@@ -151,29 +153,10 @@ def show(
 
 @app.command()
 def plot(folder: Folder) -> None:
-    """Draw stress and temperature over time, and the velocity profile, as PNG and SVG."""
-    from tether import plot as pictures  # matplotlib takes longer to import than everything else
+    """Draw what was measured, as PNG and SVG: stress and temperature over time, and a picture for each measurement."""
+    from tether.plot.pictures import draw  # matplotlib takes longer to import than everything else
 
-    record = Record.open(folder)
-    configuration = record.configuration()
-    series = record.series()
-    if series.sizes["time"] < 2:
-        raise InputError(
-            f"{folder} has a series of one sample", "nothing can be drawn over time", "make it longer by tether resume"
-        )
-    drawn = pictures.plot_series(
-        series, folder / "series", _title(configuration), temperature=configuration.fluid.temperature
-    )
-    if record.trajectory_path.is_file():
-        first = int(series["step"][0]) - configuration.series_interval
-        profile = velocity_profile(record.trajectory_path, configuration, first)
-        if profile is not None:
-            y, velocity, error = profile
-            imposed = configuration.flow.velocity(y, configuration.box.size[1])
-            drawn += pictures.plot_profile(
-                y, velocity, error, np.asarray(imposed), folder / "profile", _title(configuration)
-            )
-    for path in drawn:
+    for path in draw(Record.open(folder)):
         print(path)
 
 
@@ -258,10 +241,3 @@ def _print_summary(record: Record) -> None:
         raise InputError(
             f"{record.summary_path} is damaged", "it lacks what a summary has", "run the configuration again"
         ) from None
-
-
-def _title(configuration: Configuration) -> str:
-    kind = "Plain fluid" if not configuration.bodies else "Suspension"
-    phi = f", phi = {configuration.volume_fraction:.4f}" if configuration.bodies else ""
-    rate = configuration.flow.shear_rate
-    return f"{kind} in {configuration.dimension}D{phi}" + (f", shear rate {rate:g}" if rate else ", at rest")

@@ -13,6 +13,15 @@ from tether.errors import InputError, Key
 RIVALS = [("noise", "friction"), ("count", "volume_fraction"), ("steps", "strain"), ("seconds", "steps")]
 """Keys that exclude each other: setting one takes the other, if it is in the file, out."""
 
+_WITHOUT_SPRINGS = ("base", "torque_arms", "stiffness")
+EXCLUDED = {
+    ("model", "rigid"): _WITHOUT_SPRINGS,
+    ("model", "single"): (*_WITHOUT_SPRINGS, "shape", "spacing", "sides", "semiaxes", "length", "points"),
+    ("base", "massless"): ("torque_arms",),
+    ("law", "linear"): ("steepness",),
+}
+"""Values of keys that exclude other keys: setting one takes those, if they are in the file, out."""
+
 
 def parse(override: str) -> tuple[list[str], Any]:
     """The parts of the key, and the value (TOML; a word that is no TOML is text). Raises InputError."""
@@ -46,12 +55,14 @@ def assign(values: dict[str, Any], parts: Sequence[str], value: Any) -> Key:
 def drop_rivals(values: dict[str, Any], keys: Collection[Key]) -> None:
     """Take out of the values what the overridden keys exclude, unless it is an override itself."""
     for *parents, name in keys:
-        for pair in RIVALS:
-            rival = pair[1 - pair.index(str(name))] if name in pair else None
-            if rival and (*parents, rival) not in keys:
-                holder: Any = values
-                for part in parents:
-                    holder = holder[part]
+        holder: Any = values
+        for part in parents:
+            holder = holder[part]
+        rivals = [pair[1 - pair.index(str(name))] for pair in RIVALS if name in pair]
+        if isinstance(holder, dict) and isinstance(holder[name], str):
+            rivals += EXCLUDED.get((str(name), holder[name]), ())
+        for rival in rivals:
+            if (*parents, rival) not in keys:
                 holder.pop(rival, None)
 
 

@@ -36,7 +36,7 @@ class Run(Model):
         gt=0,
         examples=[20.0],
         description="Strain during the measured steps, |shear rate| * time, a pure number. Give steps or "
-        "strain; it needs a flow that shears.",
+        "strain; it needs a flow that shears steadily.",
     )
     verlet_lambda: float = Field(
         default=0.5,

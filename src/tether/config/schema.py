@@ -10,9 +10,13 @@ from tether.config.configuration import Configuration
 def json_schema() -> dict[str, Any]:
     """The schema, JSON Schema draft 2020-12; its descriptions are the reference documentation."""
     schema = _without_null(Configuration.model_json_schema())
-    for flow in ("Rest", "Couette"):
-        table = schema["$defs"][flow]
-        table["required"] = ["kind", *table.get("required", [])]
+    for table in schema["$defs"].values():
+        # Python knows a flow by its class, which gives the kind; a file has to name it.
+        if "const" in table.get("properties", {}).get("kind", {}):
+            table["required"] = ["kind", *table.get("required", [])]
+    for key in schema["$defs"]["Measure"]["properties"].values():
+        if "$ref" in key and key.get("examples") == [True]:
+            key["anyOf"] = [{"$ref": key.pop("$ref")}, {"type": "boolean"}]
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **schema,

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tether import _core
+from tether.bodies import Bodies
 from tether.config import Configuration
 from tether.errors import InputError
+from tether.flows import Kolmogorov, Oscillatory, Poiseuille, Stages
+from tether.interactions import PairParameters
 from tether.shapes import Shape
 
 CpuEngine: TypeAlias = _core.CpuEngine2 | _core.CpuEngine3
@@ -54,10 +58,10 @@ def instruction_set() -> str:
 
 
 def mathematics() -> str:
-    """What the bits of pow, log, cos and sin depend on: the C library and which of its versions of them it chooses.
+    """What the bits of pow, log, cos, sin, exp depend on: the C library and which of its versions of them it chooses.
 
-    They are taken for exponents other than 1/2 and 2, for Gaussian noise, and to turn Newton-Euler bases. All else has
-    the same bits on every processor.
+    They are taken for exponents other than 1/2 and 2, for Gaussian noise, to turn Newton-Euler bases and rigid bodies,
+    and, with expm1 and exp, for steep laws. All else has the same bits on every processor.
     """
     return f"{' '.join(platform.libc_ver())}{', fma' if _has_fma() else ''}"
 
@@ -89,41 +93,94 @@ def cpu_engine(configuration: Configuration, threads: int) -> CpuEngine:
     Ids: solvent first, then table by table of bodies, body by body, site by site. Species 0 is the solvent,
     k the constituents of table k.
     """
-    fluid = configuration.fluid
+    fluid, run = configuration.fluid, configuration.run
     counts = configuration.body_counts
-    sites = [principal_sites(bodies.geometry) for bodies in configuration.bodies]
+    sites = [principal_sites(shape) for shape in configuration.geometries]
     particles = [configuration.solvent_count]
     particles += [count * len(of_body) for count, of_body in zip(counts, sites, strict=True)]
     engine_class = _core.CpuEngine2 if configuration.dimension == 2 else _core.CpuEngine3
     engine: CpuEngine = engine_class(
         size=list(configuration.box.size),
-        shear_rate=configuration.flow.shear_rate,
-        repulsion=fluid.repulsion,
-        friction=fluid.gamma,
-        noise=fluid.sigma,
-        cutoff=fluid.cutoff,
+        laws=_laws(configuration.pair_parameters()),
         exponent=fluid.exponent,
         random=fluid.random,
-        timestep=configuration.run.timestep,
-        verlet_lambda=configuration.run.verlet_lambda,
+        timestep=run.timestep,
+        verlet_lambda=run.verlet_lambda,
         seed=configuration.seed,
-        species_mass=[fluid.mass, *(bodies.mass for bodies in configuration.bodies)],
+        species_mass=[fluid.mass, *configuration.body_masses],
         species=np.repeat(np.arange(len(particles), dtype=np.uint8), particles),
-        pairs="reference" if configuration.run.engine == "reference" else "packed",
-        precision=configuration.run.pair_precision,
-        instruction_set="" if configuration.run.engine == "reference" else instruction_set(),
+        pairs="reference" if run.engine == "reference" else "packed",
+        precision=run.pair_precision,
+        instruction_set="" if run.engine == "reference" else instruction_set(),
         threads=threads,
+        **_flow(configuration),
     )
+    if run.pair_precision == "mixed":
+        _check_rounding(engine, configuration)
     first = configuration.solvent_count
-    for bodies, count, of_body in zip(configuration.bodies, counts, sites, strict=True):
-        engine.add_bodies(
-            sites=of_body,
-            count=count,
-            first=first,
-            stiffness=bodies.stiffness,
-            mass=bodies.mass,
-            base=bodies.base,
-            torque_arms=bodies.torque_arms or "constituents",
-        )
+    for bodies, count, of_body, mass in zip(
+        configuration.bodies, counts, sites, configuration.body_masses, strict=True
+    ):
+        _add_bodies(engine, bodies, of_body, count, first, mass)
         first += count * len(of_body)
     return engine
+
+
+_COARSE = 1e-3
+"""Rounding of forces, as a part of what kicks the weakest pairs, noise or repulsion, that would be seen."""
+
+
+def _check_rounding(engine: CpuEngine, configuration: Configuration) -> None:
+    """Raise InputError where one steep force leaves too few digits to the others."""
+    pairs = configuration.pair_parameters()
+    kicks = np.maximum(pairs.noise / math.sqrt(configuration.run.timestep), pairs.repulsion)
+    weakest = kicks[kicks > 0].min(initial=math.inf)
+    quantum = engine.force_quantum("mixed")
+    if quantum > _COARSE * weakest:
+        raise InputError(
+            'run.precision = "mixed" is too coarse for these interactions',
+            f"the strongest repulsion, {pairs.repulsion.max():g}, leaves forces rounded to {quantum:.2g}, and the "
+            f"weakest are about {weakest:.2g}",
+            'use run.precision = "double"',
+            key=("run", "precision"),
+        )
+
+
+def _laws(pairs: PairParameters) -> NDArray[np.float64]:
+    """The table of laws that the core takes, (species, species, 5); one species if all pairs have one law."""
+    columns = (pairs.repulsion, pairs.friction, pairs.noise, pairs.cutoff, pairs.steepness)
+    table = np.stack(columns, axis=2)
+    return np.ascontiguousarray(table[:1, :1] if pairs.is_uniform else table)
+
+
+def _flow(configuration: Configuration) -> dict[str, Any]:
+    """What the core is told of the flow."""
+    flow = configuration.flow
+    if isinstance(flow, Oscillatory):
+        return {"oscillation": (flow.strain_amplitude, flow.angular_frequency)}
+    if isinstance(flow, Stages):
+        timestep = configuration.run.timestep
+        return {"stages": [(stage.steps(timestep), stage.shear_rate) for stage in flow.stages]}
+    if isinstance(flow, Poiseuille):
+        return {"driving": "poiseuille", "force": flow.force}
+    if isinstance(flow, Kolmogorov):
+        return {"driving": "kolmogorov", "force": flow.force, "periods": flow.periods}
+    return {"shear_rate": flow.shear_rate}
+
+
+def _add_bodies(
+    engine: CpuEngine, bodies: Bodies, sites: NDArray[np.float64], count: int, first: int, mass: float
+) -> None:
+    if bodies.model == "rigid":
+        engine.add_rigid_bodies(sites=sites, count=count, first=first, mass=mass)
+        return
+    # A body of a single particle is tethered to itself: no spring ever stretches.
+    engine.add_tethered_bodies(
+        sites=sites,
+        count=count,
+        first=first,
+        stiffness=bodies.stiffness or 0.0,
+        mass=mass,
+        base=bodies.base or "massless",
+        torque_arms=bodies.torque_arms or "constituents",
+    )

@@ -17,11 +17,13 @@ from tether.config import Configuration
 from tether.engines import mathematics
 from tether.errors import InputError
 from tether.files.whole import whole
+from tether.observe.observer import part, under
 from tether.version import __version__
 
 _MARK = b"tether checkpoint, HDF5 from byte 512, sha256 of that: "
+_OBSERVED = "observed"
 _USER_BLOCK = 512  # HDF5's smallest
-_FORMAT_VERSION = 3
+_FORMAT_VERSION = 4
 _REMEDY = "resume from another checkpoint, or run the configuration again"
 
 
@@ -34,13 +36,16 @@ class Checkpoint:
     """position, velocity, force (n, d), bases, samples measured so far and the begun one, momentum when measuring
     began."""
     numbers: dict[str, int]
-    """step, the step that the run began at, and how many steps of the next sample have been measured."""
+    """step, the step that the run began at, how many steps of the next sample have been measured, and the step at which
+    the means were good enough, or 0."""
     offset: float
     """Offset of the sheared box, length."""
     seconds: float
     """Wall-clock time so far."""
     order: NDArray[np.uint32]
     """Ids in the order that particles have in memory, which sums depend on."""
+    observed: dict[str, NDArray[np.generic]]
+    """What observers have seen so far."""
     mathematics: str = ""
 
     def write(self, path: Path) -> None:
@@ -58,7 +63,8 @@ class Checkpoint:
         made = io.BytesIO()
         with h5py.File(made, "w", userblock_size=_USER_BLOCK) as file:
             file.attrs.update(attributes)
-            for name, array in {**self.arrays, "order": self.order}.items():
+            observed = under(_OBSERVED, self.observed)
+            for name, array in {**self.arrays, **observed, "order": self.order}.items():
                 file.create_dataset(name, data=array)
         contents = made.getbuffer()[_USER_BLOCK:]
         with whole(path) as temporary, temporary.open("wb") as plain:
@@ -90,8 +96,9 @@ class Checkpoint:
             )
         return cls(
             configuration=Configuration(**tomllib.loads(attributes["configuration"])),
-            arrays=arrays,
-            numbers={name: attributes[name] for name in ("step", "begin", "open_steps")},
+            arrays={name: array for name, array in arrays.items() if not name.startswith(f"{_OBSERVED}.")},
+            observed=part(_OBSERVED, arrays),
+            numbers={name: attributes[name] for name in ("step", "begin", "open_steps", "stopped")},
             offset=attributes["offset"],
             seconds=attributes["seconds"],
             order=order,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from tether.config import Configuration
 from tether.errors import InputError
 from tether.estimate import estimate
 from tether.files.whole import whole
+from tether.flows import imposed_velocity
 
 if TYPE_CHECKING:
     from tether.simulation import Simulation
@@ -150,7 +150,7 @@ def _peculiar(frame: Any, position: Vectors, size: Vectors) -> Vectors | None:
     if _SHEAR_RATE not in frame.log or not np.any(frame.particles.velocity):
         return None
     velocity = np.array(frame.particles.velocity, dtype=np.float64)[:, : len(size)]
-    velocity[:, 0] -= float(frame.log[_SHEAR_RATE][0]) * (position[:, 1] - 0.5 * size[1])
+    velocity[:, 0] -= imposed_velocity(float(frame.log[_SHEAR_RATE][0]), position[:, 1], float(size[1]))
     return velocity
 
 
@@ -179,7 +179,7 @@ def velocity_profile(
         if len(known) > 1:
             mean[of_bin] = known.mean()
             error[of_bin] = known.std(ddof=1) * math.sqrt(estimate(known).inefficiency / len(known))
-    return middle, configuration.flow.velocity(middle, height) + mean, error
+    return middle, imposed_velocity(configuration.flow.shear_rate, middle, height) + mean, error
 
 
 def _slips(frames: Any, configuration: Configuration, first_step: int, bins: int) -> list[Vectors]:
@@ -192,7 +192,7 @@ def _slips(frames: Any, configuration: Configuration, first_step: int, bins: int
         y = np.asarray(frame.particles.position, dtype=np.float64)[:, 1] / height + 0.5
         bin_of = np.clip((y * bins).astype(int), 0, bins - 1)
         # Against the profile at each particle's own place; the bin's own middle is put back by the caller.
-        slip = frame.particles.velocity[:, 0] - configuration.flow.velocity(y * height, height)
+        slip = frame.particles.velocity[:, 0] - imposed_velocity(configuration.flow.shear_rate, y * height, height)
         total, count = np.bincount(bin_of, weights=slip, minlength=bins), np.bincount(bin_of, minlength=bins)
         rows.append(np.divide(total, count, out=np.full(bins, np.nan), where=count > 0))
     return rows
@@ -213,9 +213,9 @@ def _frame(simulation: Simulation) -> Any:
     frame.configuration.step = simulation.step
     frame.configuration.dimensions = d
     frame.configuration.box = [size[0], size[1], size[2] if d == 3 else 0.0, tilt, 0.0, 0.0]
-    frame.log[_SHEAR_RATE] = np.array([configuration.flow.shear_rate])
+    frame.log[_SHEAR_RATE] = np.array([simulation.engine.shear_rate])
     frame.particles.N = len(at)
-    frame.particles.types = ["solvent", *_type_names([bodies.shape for bodies in configuration.bodies])]
+    frame.particles.types = list(configuration.species_names)
     frame.particles.typeid = simulation.species.astype(np.uint32)
     frame.particles.position = _in_space(at)
     if "velocity" in configuration.output.fields:
@@ -225,14 +225,6 @@ def _frame(simulation: Simulation) -> Any:
     if "body" in configuration.output.fields:
         frame.particles.body = simulation.body_index
     return frame
-
-
-def _type_names(shapes: Sequence[str]) -> list[str]:
-    """The shapes' names, numbered where one comes twice."""
-    return [
-        shape if shapes.count(shape) == 1 else f"{shape}_{shapes[: index + 1].count(shape)}"
-        for index, shape in enumerate(shapes)
-    ]
 
 
 def _in_space(vectors: Vectors) -> NDArray[np.float32]:

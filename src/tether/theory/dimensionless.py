@@ -9,7 +9,7 @@ a: effective radius of a body, D_0: diffusivity of one body alone, n, m and eta:
 mass and viscosity of the solvent, c: sound speed. Where these come from, first that applies:
 
 1. the user's [reference];
-2. c: the measured pressure, if there is one;
+2. a: the volume that a body counts for, if it has one; c: the measured pressure, if there is one;
 3. the paper's own fluid and bodies: what was measured of them (Tables 1 and 2; each source is named);
 4. estimates, said to be such.
 
@@ -22,12 +22,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tether.theory import equation_of_state, kinetic
+import numpy as np
+
+from tether.theory import diffusion, equation_of_state, kinetic
+from tether.theory.arrays import Numbers, plain
 
 if TYPE_CHECKING:
     from tether.bodies import Bodies
     from tether.config import Configuration
-    from tether.fluid import Fluid
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,16 @@ _PAPER = {
 _PAPER_SHAPE = {2: "square", 3: "cube"}
 
 
+def peclet(shear_rate: Numbers, radius: Numbers, diffusivity: Numbers) -> Numbers:
+    """Pe = |rate| a^2 / D_0, the paper's eq. 18: how much faster the flow displaces a body than diffusion.
+
+    The number hangs on what a and D_0 are. The paper's, and ours: a is the body's effective radius by the radial
+    distribution function (Table 1), D_0 the diffusivity of one such body alone in the solvent (Table 2; in the
+    paper's periodic box, not corrected for its size). Any a and D_0 in consistent units will do, arrays too.
+    """
+    return plain(np.abs(shear_rate) * np.square(radius) / diffusivity)
+
+
 def dimensionless(configuration: Configuration, pressure: float | None = None) -> Dimensionless:
     """The dimensionless numbers of a run. pressure: measured, total, positive in compression; or None.
 
@@ -116,7 +128,7 @@ def dimensionless(configuration: Configuration, pressure: float | None = None) -
     momentum = _product(fluid.density * fluid.mass, speed)
     sheared = rate > 0.0
     return Dimensionless(
-        peclet=_ratio(_product(speed, radius.value), diffusivity.value) if sheared else None,
+        peclet=_peclet(rate, radius, diffusivity) if sheared else None,
         reynolds=_ratio(_product(momentum, configuration.box.size[1]), viscosity.value) if sheared else None,
         particle_reynolds=_ratio(_product(momentum, radius.value), viscosity.value) if sheared else None,
         mach=_ratio(speed, sound_speed.value) if sheared else None,
@@ -127,25 +139,39 @@ def dimensionless(configuration: Configuration, pressure: float | None = None) -
     )
 
 
+def _peclet(rate: float, radius: Quantity, diffusivity: Quantity) -> float | None:
+    if radius.value is None or not diffusivity.value:
+        return None
+    return float(peclet(rate, radius.value, diffusivity.value))
+
+
 def _radius(configuration: Configuration, bodies: Bodies) -> Quantity:
     if configuration.reference.radius is not None:
         return Quantity(configuration.reference.radius, "given as reference.radius")
+    stated = bodies.volume_in(configuration.dimension)
+    if stated is not None:
+        radius = _radius_of_volume(stated, configuration.dimension)
+        return Quantity(radius, f"of the volume that the body counts for: {bodies.volume_source}")
     measured = _measured_body(configuration, bodies)
     if measured is not None:
         return Quantity(measured.radius, "the paper's Table 1, from the radial distribution function")
     volume = len(bodies.geometry.sites) / configuration.fluid.density
-    radius = math.sqrt(volume / math.pi) if configuration.dimension == 2 else math.cbrt(0.75 * volume / math.pi)
     return Quantity(
-        radius,
+        _radius_of_volume(volume, configuration.dimension),
         "estimate: of the volume that as much solvent fills (the paper's bodies: 15 to 40 % high)",
     )
 
 
+def _radius_of_volume(volume: float, dimension: int) -> float:
+    """Radius of the disc or sphere of a volume."""
+    return math.sqrt(volume / math.pi) if dimension == 2 else math.cbrt(0.75 * volume / math.pi)
+
+
 def _viscosity(configuration: Configuration) -> Quantity:
-    fluid = configuration.fluid
+    fluid = configuration.solvent
     if configuration.reference.viscosity is not None:
         return Quantity(configuration.reference.viscosity, "given as reference.viscosity")
-    measured = _measured_fluid(fluid, configuration.dimension)
+    measured = _measured_fluid(configuration)
     if measured is not None and measured.viscosity is not None:
         if configuration.dimension == 2:
             return Quantity(measured.viscosity, "measured of this fluid alone, 3.090 +- 0.023 at shear rate 0.2")
@@ -161,7 +187,7 @@ def _viscosity(configuration: Configuration) -> Quantity:
         cutoff=fluid.cutoff,
         mass=fluid.mass,
     )
-    return Quantity(value, "estimate: kinetic theory without repulsion (the paper's fluid: 2 to 11 % low)")
+    return Quantity(float(value), "estimate: kinetic theory without repulsion (the paper's fluid: 2 to 11 % low)")
 
 
 def _diffusivity(configuration: Configuration, bodies: Bodies, radius: Quantity, viscosity: Quantity) -> Quantity:
@@ -176,45 +202,54 @@ def _diffusivity(configuration: Configuration, bodies: Bodies, radius: Quantity,
         return Quantity(None, "2D has no Stokes-Einstein relation (give reference.diffusivity)")
     if radius.value is None or viscosity.value is None:
         return Quantity(None, "Stokes-Einstein needs the solvent's viscosity (give reference.viscosity)")
-    value = configuration.fluid.temperature / (6.0 * math.pi * viscosity.value * radius.value)
-    return Quantity(value, "estimate: Stokes-Einstein, kT / (6 pi eta a) (the paper's cubes: 12 to 24 % low)")
+    value = diffusion.stokes_einstein_diffusivity(
+        temperature=configuration.fluid.temperature, viscosity=viscosity.value, radius=radius.value
+    )
+    return Quantity(float(value), "estimate: Stokes-Einstein, kT / (6 pi eta a) (the paper's cubes: 12 to 24 % low)")
 
 
 def _sound_speed(configuration: Configuration, pressure: float | None) -> Quantity:
-    fluid = configuration.fluid
+    fluid = configuration.solvent
     if configuration.reference.sound_speed is not None:
         return Quantity(configuration.reference.sound_speed, "given as reference.sound_speed")
     if pressure is not None and math.isfinite(pressure):
-        # Solvent and constituents repel alike, so all particles count, with their mean mass.
+        # Solvent and constituents repel alike (or nearly so), so all particles count, with their mean mass.
         constituents = [
-            (count * len(bodies.geometry.sites), bodies.mass)
-            for count, bodies in zip(configuration.body_counts, configuration.bodies, strict=True)
+            (count * len(bodies.geometry.sites), mass)
+            for count, bodies, mass in zip(
+                configuration.body_counts, configuration.bodies, configuration.body_masses, strict=True
+            )
         ]
         particles = configuration.solvent_count + sum(count for count, _ in constituents)
         mass = configuration.solvent_count * fluid.mass + sum(count * each for count, each in constituents)
-        value = equation_of_state.sound_speed_from_pressure(
-            pressure=pressure,
-            density=particles / configuration.box.volume,
-            temperature=fluid.temperature,
-            mass=mass / particles,
+        value = float(
+            equation_of_state.sound_speed_from_pressure(
+                pressure=pressure,
+                density=particles / configuration.box.volume,
+                temperature=fluid.temperature,
+                mass=mass / particles,
+            )
         )
         if math.isfinite(value):
             return Quantity(value, "the measured pressure, its part beyond n kT taken to go as n^2 (isothermal)")
-    value = equation_of_state.sound_speed(
-        density=fluid.density,
-        temperature=fluid.temperature,
-        repulsion=fluid.repulsion,
-        dimension=configuration.dimension,
-        cutoff=fluid.cutoff,
-        mass=fluid.mass,
+    value = float(
+        equation_of_state.sound_speed(
+            density=fluid.density,
+            temperature=fluid.temperature,
+            repulsion=fluid.repulsion,
+            dimension=configuration.dimension,
+            cutoff=fluid.cutoff,
+            mass=fluid.mass,
+        )
     )
     if configuration.dimension == 2:
         return Quantity(value, "estimate: mean-field equation of state (isothermal; about 3 % high)")
     return Quantity(value, "estimate: Groot and Warren's equation of state (isothermal; 3 to 5 % high)")
 
 
-def _measured_fluid(fluid: Fluid, dimension: int) -> _Measured | None:
-    """The paper's measurements, if this is one of its fluids."""
+def _measured_fluid(configuration: Configuration) -> _Measured | None:
+    """The paper's measurements, if the solvent is one of its fluids."""
+    fluid, dimension = configuration.solvent, configuration.dimension
     is_paper = all(
         math.isclose(ours, papers, rel_tol=1e-9)
         for ours, papers in (
@@ -231,8 +266,12 @@ def _measured_fluid(fluid: Fluid, dimension: int) -> _Measured | None:
 
 def _measured_body(configuration: Configuration, bodies: Bodies) -> _Measured | None:
     """The paper's measurements, if these are its bodies in one of its fluids."""
-    is_paper = bodies.shape == _PAPER_SHAPE[configuration.dimension] and bodies.spacing == 0.25
-    return _measured_fluid(configuration.fluid, configuration.dimension) if is_paper else None
+    is_paper = (
+        bodies.shape == _PAPER_SHAPE[configuration.dimension]
+        and bodies.spacing == 0.25
+        and configuration.pair_parameters().is_uniform
+    )
+    return _measured_fluid(configuration) if is_paper else None
 
 
 def _product(first: float | None, second: float | None) -> float | None:
