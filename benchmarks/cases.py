@@ -58,6 +58,7 @@ def groups(pattern: str, is_quick: bool, narrower_set: bool) -> list[Group]:
         *_against_lammps(narrower_set),
         *_threads(),
         *_stress_and_bodies(),
+        *_measurements(),
         *_flat(),
         *_sizes([2_000, 16_000, 64_000] if is_quick else [2_000, 16_000, 64_000, 256_000, 1_000_000, 2_000_000]),
     ]
@@ -112,6 +113,25 @@ def _stress_and_bodies() -> list[Group]:
         name = f"suspension, phi = {fraction} / plain fluid of density {density:g}"
         case = Case(name, suspension, Manner(), least_ratio=0.8)
         made.append(Group((case,), Case("plain fluid", fluid, Manner())))
+    return made
+
+
+MEASURES = ("profiles", "stress_profile", "radial_distribution", "displacement")
+
+
+def _measurements() -> list[Group]:
+    """Each table of [measure] with its defaults, and all of them, against the engine alone."""
+    made = []
+    for name, setup in (
+        ("3D, 250 cubes", Setup((10.0, 10.0, 10.0), shear_rate=0.2, cubes=250)),
+        ("3D, 16000", cubic(16_000, 0.5, shear_rate=0.2)),
+        ("2D, 1600", Setup((20.0, 20.0), timestep=0.01, shear_rate=0.2)),
+        ("2D, 400", Setup((10.0, 10.0), timestep=0.01, shear_rate=0.2)),
+    ):
+        cases = [Case(f"{name}, stress / bare engine", setup, Manner(measures=()))]
+        cases += [Case(f"{name}, stress and {of} / bare engine", setup, Manner(measures=(of,))) for of in MEASURES]
+        cases.append(Case(f"{name}, all measurements / bare engine", setup, Manner(measures=MEASURES), least_ratio=0.6))
+        made.append(Group(tuple(cases), Case("bare engine", setup, Manner())))
     return made
 
 

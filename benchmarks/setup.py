@@ -48,6 +48,8 @@ class Manner:
     threads: int = 1
     interval: int = 0
     """Steps between measurements of the stress; 0 measures nothing."""
+    measures: tuple[str, ...] | None = None
+    """Tables of [measure] that are on, beside the stress of every step, as in a run; None is the engine alone."""
     processes: int = 0
     """Separate processes that each run all of it at the same time; 0 runs it in this one."""
 
