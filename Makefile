@@ -4,7 +4,7 @@
 # make benchmarks          speed, side by side with LAMMPS (half an hour)
 # make instruction-sets    the tests under each instruction set that this processor has
 # make sanitize-address    the tests of the engine under AddressSanitizer and UBSan; sanitize-thread: ThreadSanitizer
-# make validate  long runs against literature and independent physics (half an hour; needs dieharder)
+# make validate  long runs against literature and independent physics (an hour and a half; needs dieharder)
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := setup
@@ -64,7 +64,8 @@ instruction-sets: setup
 	    echo "--- $$set"; TETHER_INSTRUCTION_SET=$$set $(bin)/python -m pytest -q; done
 
 # The module is built anew, beside the editable install, in an environment that finds everything else in .venv.
-tests_of_engine = tests/engines tests/pairs tests/bodies tests/conservation tests/flows tests/laws/test_dpd.py
+tests_of_engine = tests/engines tests/pairs tests/bodies tests/conservation tests/flows tests/laws/test_dpd.py tests/laws/test_steep.py \
+    tests/observe/test_local_stress.py tests/observe/test_pair_histogram.py
 sanitize-address: build/sanitize-address
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \
 	    build/sanitize-address/bin/python -m pytest -q -s $(tests_of_engine)
