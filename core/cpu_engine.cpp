@@ -81,8 +81,7 @@ CpuEngine<D>::CpuEngine(Box<D> const& box_, LawNumbers const& law, Shear shear, 
       seed_(seed),
       solvent_(static_cast<std::size_t>(std::count(state.species.begin(), state.species.end(), std::uint8_t{0}))),
       instruction_set_(pairs.is_reference ? "" : tether::instruction_set(pairs.instruction_set).name),
-      kernels_(pairs.is_reference ? Kernels<D>{kick<D>, drift<D>, wrap<D>, runaway<D>, motion<D>, {}, {}}
-                                  : kernels_of<D>(tether::instruction_set(pairs.instruction_set))),
+      kernels_(pairs.is_reference ? motion_table<D>() : kernels_of<D>(tether::instruction_set(pairs.instruction_set))),
       pairs_(pair_forces<D>(pairs, kernels_, box_, law, timestep, state.species)),
       team_(threads) {
     box.set_shear_rate(shear_.rate(1, timestep));

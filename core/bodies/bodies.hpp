@@ -95,6 +95,7 @@ class Bodies {
         for (std::size_t k = 0; k < moments_.size();
              ++k)  // sites on a line have no inertia about it, and no turn about it either
             inverse_moments_[k] = moments_[k] > 1e-12 * largest ? 1.0 / moments_[k] : 0.0;
+        for (double inverse : inverse_moments_) rotational_freedom_ += inverse > 0.0;
     }
     virtual ~Bodies() = default;
 
@@ -103,11 +104,7 @@ class Bodies {
     std::size_t first_id(std::size_t body) const { return first_ + body * sites_.size(); }
     std::size_t end_id() const { return first_ + count() * sites_.size(); }
     double body_mass() const { return mass_ * static_cast<double>(sites_.size()); }
-    int rotational_freedom() const {
-        int freedom = 0;
-        for (double inverse : inverse_moments_) freedom += inverse > 0.0;
-        return freedom;
-    }
+    int rotational_freedom() const { return rotational_freedom_; }
 
     // Whether the base has a motion of its own, and whether the constituents have none.
     virtual bool has_inertia() const = 0;
@@ -342,6 +339,7 @@ class Bodies {
     std::size_t first_;
     double mass_;  // of a constituent
     Axial<D> moments_{}, inverse_moments_{};
+    int rotational_freedom_ = 0;
 };
 
 template <int D>

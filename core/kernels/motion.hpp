@@ -199,5 +199,11 @@ void record(RecordArguments<D> const& a, std::size_t begin, std::size_t end) {
     }
 }
 
+// The loops over single particles, without those of a pair loop.
+template <int D>
+Kernels<D> motion_table() {
+    return {kick<D>, drift<D>, wrap<D>, runaway<D>, motion<D>, {}, {}};
+}
+
 }  // namespace
 }  // namespace tether

@@ -7,11 +7,6 @@
 namespace tether {
 namespace {
 
-template <int D>
-Kernels<D> motion_table() {
-    return {kick<D>, drift<D>, wrap<D>, runaway<D>, motion<D>, {}, {}};
-}
-
 template <int D, class Real>
 void add_pairs(Kernels<D>& table, Precision precision) {
     auto const p = static_cast<int>(precision);

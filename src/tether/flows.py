@@ -52,6 +52,25 @@ class _Unsteady(_Flow):
         return 0.0
 
 
+class _Driven(_Unsteady):
+    """A flow that a force on every particle drives."""
+
+    force: float
+
+    @field_validator("force")
+    @classmethod
+    def _not_zero(cls, force: float) -> float:
+        if force == 0:
+            why = "the flow is driven by it"
+            raise fault((), "= 0 drives nothing", why, 'give another, or the flow of kind "rest"')
+        return force
+
+    @property
+    def is_driven(self) -> bool:
+        """True."""
+        return True
+
+
 class Rest(_Unsteady):
     """No flow: the suspension at equilibrium."""
 
@@ -158,28 +177,18 @@ class Stages(_Unsteady):
         return np.asarray(cycles * strains[-1] + np.interp(place, ends, strains))
 
 
-class Poiseuille(_Unsteady):
+class Poiseuille(_Driven):
     """Reverse Poiseuille flow (Backer et al. 2005, doi 10.1063/1.1883163): +force above L_y/2, -force below."""
 
     kind: Literal["poiseuille"] = Field(default="poiseuille", description="Two channels that flow in turn.")
     force: float = Field(examples=[0.1], description="Force g on every particle, in units of force. Not zero.")
-
-    @field_validator("force")
-    @classmethod
-    def _not_zero(cls, force: float) -> float:
-        return _nonzero(force)
-
-    @property
-    def is_driven(self) -> bool:
-        """True."""
-        return True
 
     def driving_force(self, y: Heights, height: float) -> Heights:
         """g above half the height, -g below."""
         return np.where(y > 0.5 * height, self.force, -self.force)
 
 
-class Kolmogorov(_Unsteady):
+class Kolmogorov(_Driven):
     """A force g sin(2 pi n y/L_y) along x on every particle."""
 
     kind: Literal["kolmogorov"] = Field(default="kolmogorov", description="A sinusoidal force across the box.")
@@ -190,25 +199,9 @@ class Kolmogorov(_Unsteady):
         default=1, ge=1, le=1000, examples=[1], description="Number n of waves across the box, a whole number."
     )
 
-    @field_validator("force")
-    @classmethod
-    def _not_zero(cls, force: float) -> float:
-        return _nonzero(force)
-
-    @property
-    def is_driven(self) -> bool:
-        """True."""
-        return True
-
     def driving_force(self, y: Heights, height: float) -> Heights:
         """g sin(2 pi n y/height)."""
         return np.asarray(self.force * np.sin(2 * math.pi * self.periods * y / height))
-
-
-def _nonzero(force: float) -> float:
-    if force == 0:
-        raise fault((), "= 0 drives nothing", "the flow is driven by it", 'give another, or the flow of kind "rest"')
-    return force
 
 
 Flow = Annotated[Rest | Couette | Oscillatory | Stages | Poiseuille | Kolmogorov, Field(discriminator="kind")]

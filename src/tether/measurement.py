@@ -29,6 +29,19 @@ def total_stress(series: xr.Dataset) -> xr.DataArray:
     return pairwise_stress(series) + series["stress_body"]
 
 
+def freedom_of_constituents(configuration: Configuration, rotational: Sequence[int]) -> list[int]:
+    """Degrees of freedom that the constituents of one body of each kind have together.
+
+    d for each, or those of the center and of the rotation of a rigid body. rotational: rotational degrees of freedom of
+    one body of each kind (the engine counts them).
+    """
+    d = configuration.dimension
+    return [
+        d + turns if bodies.model == "rigid" else d * len(shape.sites)
+        for bodies, shape, turns in zip(configuration.bodies, configuration.geometries, rotational, strict=True)
+    ]
+
+
 @dataclass(frozen=True)
 class Freedom:
     """Degrees of freedom behind each kinetic temperature.
@@ -49,16 +62,13 @@ class Freedom:
 
     @classmethod
     def of(cls, configuration: Configuration, rotational: Sequence[int]) -> Freedom:
-        """rotational: rotational degrees of freedom of one body of each kind (the engine counts them)."""
+        """rotational: as `freedom_of_constituents` takes them."""
         d = configuration.dimension
         solvent = configuration.solvent_count
         counts = configuration.body_counts
-        sites = [len(shape.sites) for shape in configuration.geometries]
         of_bodies = 1 - solvent * configuration.fluid.mass / configuration.total_mass  # share of the mass
-        free = sum(
-            count * (d + turns if bodies.model == "rigid" else d * p)
-            for bodies, count, p, turns in zip(configuration.bodies, counts, sites, rotational, strict=True)
-        )
+        of_one = freedom_of_constituents(configuration, rotational)
+        free = sum(count * freedom for count, freedom in zip(counts, of_one, strict=True))
         return cls(
             all=d * solvent + free - d,
             solvent=d * (solvent - 1 + of_bodies),

@@ -428,7 +428,7 @@ class Simulation:
     def _set_up(self) -> None:
         """Observers that have seen nothing, and the means that are wanted."""
         self.engine.observe_stress(0, 1)
-        self._observers = observers_of(self.configuration)
+        self._observers = observers_of(self.configuration, self.engine.rotational_freedom)
         self._goal = Goal(self.configuration, self.measured_from)
 
     def _sample(self, measured: Vectors) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tether.config import Configuration
+from tether.measurement import freedom_of_constituents
 from tether.observe.displacement import Displacement
 from tether.observe.observer import Observer
 from tether.observe.profiles import Profiles
@@ -16,15 +18,18 @@ from tether.observe.stress_profile import StressProfile
 from tether.theory import kinetic
 
 
-def observers_of(configuration: Configuration) -> dict[str, Observer]:
-    """New observers by name: the name of their table in [measure], and of the file that their results go to."""
+def observers_of(configuration: Configuration, rotational: Sequence[int]) -> dict[str, Observer]:
+    """New observers by name: the name of their table in [measure], and of the file that their results go to.
+
+    rotational: rotational degrees of freedom of one body of each kind.
+    """
     measure, size = configuration.measure, configuration.box.size
     kinds = configuration.species_names[1:]
     found: dict[str, Observer] = {}
     if (profiles := configuration.profiles) is not None:
         found["profiles"] = Profiles(
             profiles.bins, profiles.every, size, kinds,
-            driven=configuration.flow.is_driven, freedom=_freedom(configuration),
+            driven=configuration.flow.is_driven, freedom=_freedom(configuration, rotational),
         )  # fmt: skip
     if (stress := measure.stress_profile) is not None:
         found["stress_profile"] = StressProfile(stress.bins, stress.every, size)
@@ -45,18 +50,13 @@ def observers_of(configuration: Configuration) -> dict[str, Observer]:
     return found
 
 
-def _freedom(configuration: Configuration) -> NDArray[np.float64]:
-    """Degrees of freedom of each particle over d; constituents of a rigid body share those of the body evenly."""
-    d = configuration.dimension
+def _freedom(configuration: Configuration, rotational: Sequence[int]) -> NDArray[np.float64]:
+    """Degrees of freedom of each particle over d; constituents of a body share those that they have together."""
     parts = [np.ones(configuration.solvent_count)]
-    for bodies, shape, count in zip(
-        configuration.bodies, configuration.geometries, configuration.body_counts, strict=True
-    ):
+    of_one = freedom_of_constituents(configuration, rotational)
+    for shape, count, freedom in zip(configuration.geometries, configuration.body_counts, of_one, strict=True):
         sites = len(shape.sites)
-        spans = int(np.linalg.matrix_rank(shape.sites))
-        turns = min(spans, 1) if d == 2 else (0, 2, 3, 3)[spans]
-        share = (d + turns) / (d * sites) if bodies.model == "rigid" else 1.0
-        parts.append(np.full(count * sites, share))
+        parts.append(np.full(count * sites, freedom / (configuration.dimension * sites)))
     return np.concatenate(parts)
 
 

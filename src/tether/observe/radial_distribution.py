@@ -30,7 +30,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.stats import poisson
+from scipy.special import pdtr
 
 from tether import _core
 from tether.observe.counts import CountBlocks, Ratio
@@ -299,7 +299,7 @@ def _contact(r: Array, curve: Ratio) -> tuple[float, float]:
     """q_bar and its error; not numbers where it might be made by bins that chance left empty (see the module)."""
     k = _first_above(curve.mean())
     counted, expected = int(curve.counts()[:k].sum()), THRESHOLD * float(curve.expected()[:k].sum())
-    if poisson.cdf(counted, expected) > _FALSE_ALARM:
+    if pdtr(counted, expected) > _FALSE_ALARM:
         return math.nan, math.nan
     return _crossing(r, curve.mean()), curve.jackknife(lambda g: _crossing(r, g))
 
