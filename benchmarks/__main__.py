@@ -17,6 +17,7 @@ from benchmarks.lammps_peer import INSTALL, lammps_version
 from benchmarks.machine import OthersShare, machine
 from benchmarks.measure import Row, measure
 from benchmarks.memory import bytes_per_particle
+from benchmarks.studies import studies
 from tether.engines import instruction_set, instruction_sets
 
 _BUSY = ": too much for speeds to be trusted, above all those of two threads"
@@ -70,14 +71,15 @@ def main() -> None:
     parser.add_argument("--only", default="", metavar="PATTERN", help="rows whose case and precision contain this")
     parser.add_argument("--time-to-viscosity", action="store_true", help="instead: time to a viscosity good to 1 %%")
     parser.add_argument("--kernels", action="store_true", help="instead: where the time of a step goes")
-    parser.add_argument("--all", action="store_true", help="the table, the time to a viscosity and the kernels")
+    parser.add_argument("--studies", action="store_true", help="instead: what a study costs beside its runs")
+    parser.add_argument("--all", action="store_true", help="all of these")
     asked = parser.parse_args()
     others = OthersShare()
     results: dict[str, object] = {**machine(), "turns": asked.turns}
     print(", ".join(f"{name} {results[name]}" for name in ("cpu", "processors", "instruction_set", "commit", "lammps")))
     if lammps_version() is None:
         print(INSTALL)
-    if asked.all or not (asked.time_to_viscosity or asked.kernels):
+    if asked.all or not (asked.time_to_viscosity or asked.kernels or asked.studies):
         rows = _table(asked.only, asked.turns, asked.quick)
         results["rows"] = [row.as_dict() for row in rows]
         if sizes := _sizes(rows):
@@ -101,6 +103,10 @@ def main() -> None:
         comparisons = [viscosity.compare(exponent, *steps) for exponent in viscosity.AIMS]
         results["time_to_viscosity"] = [of.as_dict() for of in comparisons]
         print(f"\n{viscosity.shown(comparisons)}")
+    if asked.all or asked.studies:
+        print()
+        results["studies"] = studies()
+        _write(results, asked.json)
     share = results["share_of_others"] = others.now()
     if share is not None:
         print(f"\nOther processes took {100 * share:.0f} % of the processors' time{_BUSY if share > 0.05 else ''}.")

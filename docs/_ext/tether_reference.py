@@ -1,6 +1,7 @@
-"""Two directives that write reference pages from the program itself, so that neither can be out of date.
+"""Three directives that write reference pages from the program itself, so that neither can be out of date.
 
 ``{configuration}``       tables of every section and key, from the JSON schema of the configuration models
+``{study}``               the same of a study
 ``{command-line} run``    what ``tether run --help`` prints
 """
 
@@ -15,6 +16,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 import tether.config
+from tether.study.study import json_schema
 
 Schema = dict[str, Any]
 
@@ -43,10 +45,19 @@ class ConfigurationReference(SphinxDirective):
         return self.parse_text_to_nodes(text, allow_section_headings=True)
 
 
+class StudyReference(SphinxDirective):
+    """Every key of a study file."""
+
+    def run(self) -> list[nodes.Node]:
+        """Write the table as Markdown and parse it."""
+        schema = json_schema()
+        return self.parse_text_to_nodes("\n".join(table(schema, schema.get("$defs", {}))))
+
+
 class CommandLine(SphinxDirective):
     """The help text of one command."""
 
-    optional_arguments = 1
+    optional_arguments = 2
 
     def run(self) -> list[nodes.Node]:
         """Ask the installed program."""
@@ -144,7 +155,8 @@ def prose(schema: Schema) -> list[str]:
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Register both directives."""
+    """Register the directives."""
+    app.add_directive("study", StudyReference)
     app.add_directive("configuration", ConfigurationReference)
     app.add_directive("command-line", CommandLine)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

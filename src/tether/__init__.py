@@ -19,6 +19,7 @@ from tether.interactions import Interaction
 from tether.result import Result
 from tether.shapes import Shape, cube, disc, ellipsoid, octahedron, points, polygon, rod, sphere, square, triangle
 from tether.simulation import Simulation
+from tether.study import Study, run_study
 from tether.version import __version__
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "Simulation",
     "Stages",
     "Start",
+    "Study",
     "TetherError",
     "__version__",
     "cube",
@@ -55,6 +57,7 @@ __all__ = [
     "points",
     "polygon",
     "rod",
+    "run_study",
     "sphere",
     "square",
     "triangle",

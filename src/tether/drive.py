@@ -29,6 +29,10 @@ _SERIES_SECONDS = 10.0
 """The least time between two writings of the series so far, which only pictures of a run under way need."""
 
 
+Watch = Callable[["Simulation"], bool | None]
+"""What is called after every chunk of steps; True stops the run after a checkpoint."""
+
+
 class Stopped(KeyboardInterrupt):
     """The run was stopped by a signal, after a checkpoint (if it has a record)."""
 
@@ -41,12 +45,13 @@ class Stopped(KeyboardInterrupt):
 def drive(
     simulation: Simulation,
     record: Record | None,
-    watch: Callable[[Simulation], None] | None = None,
+    watch: Watch | None = None,
 ) -> None:
     """Run the simulation to its end, writing the record as it goes.
 
-    watch: called after every chunk of steps. Raises Stopped, a KeyboardInterrupt, after Ctrl-C or SIGTERM (and a
-    checkpoint), RunError when the run fails or the record cannot be written; what was measured is kept either way.
+    watch: called after every chunk of steps; where it returns True the run stops as if by SIGTERM. Raises Stopped, a
+    KeyboardInterrupt, after Ctrl-C or SIGTERM (and a checkpoint), RunError when the run fails or the record cannot be
+    written; what was measured is kept either way.
     """
     simulation.place()  # nothing is to be saved yet: a signal ends this at once
     if record is None:
@@ -65,9 +70,7 @@ def drive(
         raise Stopped(stopped[0], simulation.step, record.folder if record is not None else None)
 
 
-def _recorded(
-    simulation: Simulation, record: Record, watch: Callable[[Simulation], None] | None, stopped: list[int]
-) -> None:
+def _recorded(simulation: Simulation, record: Record, watch: Watch | None, stopped: list[int]) -> None:
     record.take_over(simulation)
     writer = _Writer(simulation, record)
     try:
@@ -88,7 +91,7 @@ def _recorded(
 def _advance(
     simulation: Simulation,
     writer: _Writer | None,
-    watch: Callable[[Simulation], None] | None,
+    watch: Watch | None,
     stopped: list[int],
 ) -> None:
     """Advance to the end, or until a signal."""
@@ -102,8 +105,8 @@ def _advance(
         chunk = max(1, min(2 * chunk, round(_CHUNK_SECONDS * (simulation.step - step) / max(spent, 1e-9))))
         if writer is not None:
             writer.look()
-        if watch is not None:
-            watch(simulation)
+        if watch is not None and watch(simulation):
+            stopped.append(signal.SIGTERM)
 
 
 class _Writer:

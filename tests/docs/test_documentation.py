@@ -1,6 +1,7 @@
 """The code in README.md and docs/ runs, and the configurations there are valid."""
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tether.config import load
+from tether.study import Study
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -51,8 +53,17 @@ def test_python_runs(code: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.parametrize("text", blocks("toml"))
-def test_configurations_are_valid(text: str, tmp_path: Path) -> None:
-    """Whole files as they stand; fragments together with the smallest tables that they lack."""
+def test_configurations_are_valid(text: str, folder: Path, tmp_path: Path) -> None:
+    """Whole files as they stand; fragments together with the smallest tables that they lack. Studies vary a small file.
+
+    Fragments of studies are those that sweep.
+    """
+    if re.search(r"^base = |^\[+sweep", text, re.MULTILINE):
+        path = tmp_path / "study.toml"
+        path.write_text(text if "base =" in text else f'base = "couette.toml"\n{text}', "utf-8")
+        shutil.copy(folder / "couette.toml", tmp_path)
+        assert Study.read(path).points
+        return
     given = set(re.findall(r"^\[+(\w+)\]+", text, re.MULTILINE))
     lacking = [table for name, table in {"box": BOX, "fluid": FLUID, "run": RUN}.items() if name not in given]
     path = tmp_path / "documentation.toml"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import runpy
+import subprocess
 import sys
 from pathlib import Path
 from typing import get_args
@@ -14,15 +14,21 @@ from tether.config import Measure, load
 from tether.flows import Flow
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-CONFIGURATIONS = sorted(EXAMPLES.glob("**/*.toml"))
-SCRIPTS = {"thinning.py": (["--strain", "0.1"], 3)}
+CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))
+STUDIES = sorted(EXAMPLES.glob("studies/*.toml"))
+SCRIPTS = {"studies/thinning.py": (["--strain", "0.1"], 3)}
 """What makes each script short, and how many viscosities it prints."""
+
+CLUSTER = sorted(EXAMPLES.glob("cluster/*"))
+"""Job scripts, which tests/cluster runs."""
 
 
 def test_there_are_examples_and_no_others_than_those_run_here() -> None:
     assert CONFIGURATIONS
+    assert STUDIES
     scripts = [EXAMPLES / name for name in SCRIPTS]
-    assert sorted(path for path in EXAMPLES.glob("**/*") if path.is_file()) == sorted([*CONFIGURATIONS, *scripts])
+    known = sorted([*CONFIGURATIONS, *STUDIES, *scripts, *CLUSTER])
+    assert sorted(path for path in EXAMPLES.glob("**/*") if path.is_file() and "__pycache__" not in path.parts) == known
 
 
 def test_examples_show_every_flow_every_model_and_every_measurement() -> None:
@@ -35,11 +41,19 @@ def test_examples_show_every_flow_every_model_and_every_measurement() -> None:
 
 
 @pytest.mark.parametrize("name", SCRIPTS)
-def test_a_script_runs(name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_script_runs(name: str, tmp_path: Path) -> None:
     arguments, viscosities = SCRIPTS[name]
-    monkeypatch.setattr(sys, "argv", [name, *arguments])
-    runpy.run_path(str(EXAMPLES / name), run_name="__main__")
-    assert capsys.readouterr().out.count("viscosity ") == viscosities
+    command = [sys.executable, EXAMPLES / name, *arguments]
+    answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert answer.stdout.count("viscosity ") == viscosities
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
+def test_a_study_runs(path: Path, tmp_path: Path) -> None:
+    shorter = [f"--set=run.{key}" for key in ("equilibration=0", "steps=20")]
+    outcome = tether("study", path, "--out", tmp_path / "out", *shorter, "--workers", 1)
+    assert outcome.code == 0, outcome
+    assert (tmp_path / "out" / "results.parquet").is_file()
 
 
 @pytest.mark.parametrize("path", CONFIGURATIONS, ids=lambda path: path.stem)

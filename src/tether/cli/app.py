@@ -18,6 +18,7 @@ from rich.table import Table
 
 from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
+from tether.cli.study import app as study
 from tether.cli.table import table
 from tether.config import Source, json_schema, template
 from tether.drive import Stopped, drive
@@ -26,6 +27,7 @@ from tether.errors import InputError, TetherError
 from tether.record import Record
 from tether.resume import resume as resumed
 from tether.simulation import Simulation
+from tether.study.study import json_schema as study_schema
 from tether.version import __version__
 
 app = typer.Typer(
@@ -35,6 +37,8 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
+
+app.add_typer(study)
 
 Threads = Annotated[
     int | None,
@@ -204,9 +208,11 @@ def info() -> None:
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    of_study: Annotated[bool, typer.Option("--study", help="Of study files.")] = False,
+) -> None:
     """Print the JSON schema of configurations, with which editors complete and check them."""
-    print(json.dumps(json_schema(), indent=2))
+    print(json.dumps(study_schema() if of_study else json_schema(), indent=2))
 
 
 @contextmanager

@@ -278,9 +278,13 @@ class Configuration(Model):
             interactions=tuple(each.completed(self.fluid) for each in self.interactions),
         )
 
+    def given(self) -> dict[str, Any]:
+        """Every key that has a value, as plain tables: what makes this configuration again."""
+        return _given(self.model_dump())
+
     def to_toml(self) -> str:
         """The resolved configuration as a TOML file, every key with its value; `load` reads it back."""
-        return toml.document(_given(self.resolved().model_dump()))
+        return toml.document(self.resolved().given())
 
 
 def _given(table: dict[str, Any]) -> dict[str, Any]:

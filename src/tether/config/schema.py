@@ -9,7 +9,7 @@ from tether.config.configuration import Configuration
 
 def json_schema() -> dict[str, Any]:
     """The schema, JSON Schema draft 2020-12; its descriptions are the reference documentation."""
-    schema = _without_null(Configuration.model_json_schema())
+    schema = without_null(Configuration.model_json_schema())
     for table in schema["$defs"].values():
         # Python knows a flow by its class, which gives the kind; a file has to name it.
         if "const" in table.get("properties", {}).get("kind", {}):
@@ -24,13 +24,13 @@ def json_schema() -> dict[str, Any]:
     }
 
 
-def _without_null(schema: Any) -> Any:
+def without_null(schema: Any) -> Any:
     """TOML has no null: a key that may be left out has no value then."""
     if isinstance(schema, list):
-        return [_without_null(item) for item in schema]
+        return [without_null(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
-    cleaned = {name: _without_null(item) for name, item in schema.items() if item is not None}
+    cleaned = {name: without_null(item) for name, item in schema.items() if item is not None}
     choices = [choice for choice in cleaned.get("anyOf", []) if choice != {"type": "null"}]
     if len(choices) == 1:
         del cleaned["anyOf"]

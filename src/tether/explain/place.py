@@ -86,7 +86,7 @@ def tag(table: type[BaseModel]) -> Any:
 def table_name(key: Key, table: type[BaseModel]) -> str:
     """How a table is called in a message: [fluid], [flow] of kind "rest", [[bodies]], the top level."""
     if not key:
-        return "the top level" if table.__name__ == "Configuration" else table.__name__
+        return "the top level" if table.__name__ in ("Configuration", "Study") else table.__name__
     names = ".".join(str(part) for part in key if isinstance(part, str))
     kind = f' of kind "{tag(table)}"' if tag(table) else ""
     return (f"[[{names}]]" if isinstance(key[-1], int) else f"[{names}]") + kind

@@ -108,6 +108,7 @@ _MEANINGS: dict[str, Callable[[Place, ErrorDetails], Meaning]] = {
     "string_too_short": _no_text,
     "tuple_type": _list,
     "model_type": _table,
+    "dict_type": _table,
     "model_attributes_type": _table,
     "literal_error": _literal,
     "greater_than": _bound("gt", "must be greater than {}", "give a number greater than {}"),
