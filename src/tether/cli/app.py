@@ -18,6 +18,7 @@ from rich.table import Table
 
 from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
+from tether.cli.report import report
 from tether.cli.study import app as study
 from tether.cli.table import table
 from tether.config import Source, json_schema, template
@@ -39,6 +40,7 @@ app = typer.Typer(
 )
 
 app.add_typer(study)
+app.command()(report)
 
 Threads = Annotated[
     int | None,
