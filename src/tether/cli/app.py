@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from tether.cli.paper import paper
 from tether.cli.progress import progress
 from tether.cli.relative import relative_viscosity
 from tether.cli.report import report
@@ -41,6 +42,7 @@ app = typer.Typer(
 
 app.add_typer(study)
 app.command()(report)
+app.command()(paper)
 
 Threads = Annotated[
     int | None,
