@@ -113,7 +113,7 @@ def screen(browser: Any) -> Iterator[Screen]:
     browser.get("about:blank")
 
 
-@pytest.mark.parametrize("names", [("oscillatory", "driven", "rest"), ("study",)])
+@pytest.mark.parametrize("names", [("oscillatory", "rest"), ("study",)])
 def test_plots_are_drawn_and_nothing_is_complained_of(
     screen: Screen, page_of: Callable[..., Path], names: tuple[str, ...]
 ) -> None:

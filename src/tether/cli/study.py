@@ -142,6 +142,7 @@ def plot(
     found = StudyFolder.open(folder)
     study = found.study()
     dataset = results_of(study, found).dataset
+    dataset.attrs["title"] = f"tether: {folder.resolve().name}"  # the file has no place in it: its bytes are the same
     if (quantity is None) != (against is None):
         raise InputError("--quantity and --against go together", "a picture has two axes", "give both, or neither")
     if quantity is not None and against is not None:

@@ -99,7 +99,7 @@ def results_of(study: Study, folder: StudyFolder) -> Results:
             means.append({**swept, **_mean_row(own), **relative.means(), **swept})
     plain_rows = _plain_rows(study, rows, repeats)
     table = _ordered(runs + plain_rows, study)
-    return Results(table, _ordered(means, study, _OF_MEANS), _dataset(study, runs, means, folder.folder.resolve().name))
+    return Results(table, _ordered(means, study, _OF_MEANS), _dataset(study, runs, means))
 
 
 def _plain_rows(
@@ -223,7 +223,7 @@ def _ordered(rows: Sequence[dict[str, Any]], study: Study, always: Sequence[str]
     return table
 
 
-def _dataset(study: Study, runs: Sequence[dict[str, Any]], means: Sequence[dict[str, Any]], title: str) -> xr.Dataset:
+def _dataset(study: Study, runs: Sequence[dict[str, Any]], means: Sequence[dict[str, Any]]) -> xr.Dataset:
     """The tables by swept keys and repeat."""
     axes, dimension = study.axes, study.ensembles[0].configuration.dimension
     dims = tuple(axis.name for axis in axes)
@@ -258,7 +258,7 @@ def _dataset(study: Study, runs: Sequence[dict[str, Any]], means: Sequence[dict[
     for axis in axes:
         for name, values in zip(axis.names, axis.values, strict=True):
             coordinates[name] = (axis.name, _coordinate(values), {"long_name": name})
-    attributes = {"title": f"tether: {title}", "version": __version__, "dimension": dimension, "study": study.to_toml()}
+    attributes = {"title": "tether: a study", "version": __version__, "dimension": dimension, "study": study.to_toml()}
     return xr.Dataset(variables, coordinates, attributes)
 
 
